@@ -1,13 +1,14 @@
 # Gives every target the same warnings, standard and sanitizers, without global flags.
 
-# mirage_target(NAME [PORTABLE] [SMALL] [TEST] [ALONE] [PCH base|wire|none])
+# mirage_target(NAME [PORTABLE] [SMALL] [COLD] [TEST] [ALONE] [PCH base|wire|none])
 #   PORTABLE   keeps to C++17, for code that also builds for a browser
 #   SMALL      in a browser, its bytes count more than its speed
+#   COLD       runs seldom, so its bytes count more than its speed everywhere; it has no precompiled header
 #   TEST       optimises little, because compiling tests takes longer than running them
 #   ALONE      compiles no files in batches, because names in them clash
 #   PCH        names the precompiled header of cmake/pch (default: tests for TEST, else base)
 function(mirage_target name)
-  cmake_parse_arguments(ARG "PORTABLE;SMALL;TEST;ALONE" "PCH" "" ${ARGN})
+  cmake_parse_arguments(ARG "PORTABLE;SMALL;COLD;TEST;ALONE" "PCH" "" ${ARGN})
   if(ARG_PORTABLE)
     target_compile_features(${name} PUBLIC cxx_std_17)
     set_target_properties(${name} PROPERTIES CXX_STANDARD 17)
@@ -57,6 +58,10 @@ function(mirage_target name)
   endif()
   if(ARG_TEST)
     target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+  endif()
+  if(ARG_COLD)
+    target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-Os>)
+    set(ARG_PCH none)
   endif()
   # A batch reads headers and instantiates templates once for its files. Shipped code is compiled file by file, unless
   # sanitizers make that slow, or MIRAGE_ALL_BATCHES is on.
