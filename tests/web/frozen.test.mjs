@@ -39,9 +39,11 @@ after(async () => {
 });
 
 const address = (path = 'on/any/host/') => host.url + path;
-const eyes = ['', ...[40, 130, 250].map((degrees, i) => {
+// Frames may take any time. Within a budget, the way in which the object is drawn at rest depends on how busy the machine is: FLIP
+// .002 as geometry, .019 from the home view.
+const eyes = ['#budget=0', ...[40, 130, 250].map((degrees, i) => {
   const a = degrees * Math.PI / 180, y = [0.5, 2, -1][i];
-  return `#eye=${(4 * Math.sin(a)).toFixed(3)},${y},${(4 * Math.cos(a)).toFixed(3)}&look=0,0,0`;
+  return `#eye=${(4 * Math.sin(a)).toFixed(3)},${y},${(4 * Math.cos(a)).toFixed(3)}&look=0,0,0&budget=0`;
 })];
 
 test('the page of a static host shows what the page of a server shows', async () => {
@@ -52,7 +54,7 @@ test('the page of a static host shows what the page of a server shows', async ()
     await rested(frozen);
     const due = await truth(live);
     const [a, b] = [await flip(live, due, await picture(live)), await flip(live, due, await picture(frozen))];
-    assert.ok(b <= a + 0.01, `FLIP ${b} of the folder, ${a} of the server, at ${eye || 'home'}`);
+    assert.ok(b <= a + 0.01, `FLIP ${b} of the folder, ${a} of the server, at ${eye}`);
     assert.deepEqual(frozen.problems, []);
     assert.equal(await message(frozen), '');
     await live.context().close();
