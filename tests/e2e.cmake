@@ -114,7 +114,7 @@ set_tests_properties(e2e_bundle_removed PROPERTIES FIXTURES_CLEANUP bundle)
 # Tests the Debian package if the tools to make one are installed.
 if(NOT MIRAGE_SANITIZE)
   add_test(NAME e2e_package COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/e2e/package.sh ${PROJECT_BINARY_DIR})
-  set_tests_properties(e2e_package PROPERTIES TIMEOUT 300)
+  set_tests_properties(e2e_package PROPERTIES TIMEOUT 300 RESOURCE_LOCK default_port)
   # The client library as others build against it.
   add_test(NAME e2e_embed COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/e2e/embed.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
   set_tests_properties(e2e_embed PROPERTIES TIMEOUT 300)

@@ -9,7 +9,7 @@ if(Python3_FOUND)
   add_test(NAME commands_of_guides
            COMMAND Python3::Interpreter ${CMAKE_CURRENT_SOURCE_DIR}/words/commands.py ${PROJECT_BINARY_DIR}/bin
                    ${PROJECT_SOURCE_DIR}/README.md ${guides})
-  # The guides' servers listen on the default port, as a reader's do.
-  set_tests_properties(commands_of_guides PROPERTIES TIMEOUT 900 RUN_SERIAL ON)
+  # The guides' servers listen on the default port, as a reader's do, and those of the packages.
+  set_tests_properties(commands_of_guides PROPERTIES TIMEOUT 900 RESOURCE_LOCK default_port)
 endif()
 add_test(NAME reference_current COMMAND ${PROJECT_SOURCE_DIR}/scripts/reference --check ${PROJECT_BINARY_DIR}/bin)

@@ -87,8 +87,10 @@ flat varying vec2 v_frame[3];
 flat varying vec3 v_weight;
 flat varying mat4 v_world;
 
-const float kCovers = 0.5;       // where a texel covers less, a ray passes
-const float kCliff = 0.03, kThick = 0.15, kHidden = 0.02, kEmpty = 0.3;   // as mirage-bake measures it: numerics.md section 7
+// As mirage-bake measures it: numerics.md section 7.
+const float kCovers = 0.35;      // where a texel covers less, a ray passes
+const float kSheer = 0.07;       // neighbouring heights that differ by more belong to two surfaces
+const float kCliff = 0.03, kThick = 0.15, kHidden = 0.02, kEmpty = 0.3, kUnseen = 0.03;
 
 vec2 folded(vec2 p) { return vec2(p.x < 0.0 ? -1.0 : 1.0, p.y < 0.0 ? -1.0 : 1.0) * (1.0 - abs(p.yx)); }
 
@@ -110,11 +112,25 @@ float level, t_hit;
 
 vec2 uv_of(vec3 p) { return (frame_uv + clamp(vec2(p.x, -p.y) * 0.5 + 0.5, 0.5 / u_tile, 1.0 - 0.5 / u_tile)) / u_grid; }
 
+void look_from(vec2 frame, vec3 along) {
+  mat3 axes = axes_of(frame);
+  frame_uv = frame;
+  o = v_from * axes;
+  d = along * axes;
+}
+
 float below(float t, out float cover) {   // how far the ray is below the surface there
   vec3 p = o + t * d;
   vec2 uv = uv_of(p);
   cover = textureLod(u_color, uv, level).a;
   return 2.0 * textureLod(u_normal, uv, level).a - 1.0 - p.z;
+}
+// As below(), where a ray has met something. Between two surfaces the filter puts a wall; there the nearest texel's height counts.
+float below_unwalled(float t, out float cover) {
+  float depth = below(t, cover);
+  vec2 texels = vec2(textureSize(u_normal, int(level))), at = uv_of(o + t * d) * texels;
+  float nearest = 2.0 * texelFetch(u_normal, ivec2(at), int(level)).a - 1.0 - (o.z + t * d.z);
+  return abs(nearest - depth) > 0.5 * kSheer ? nearest : depth;
 }
 bool inside(float t) {
   float cover, depth = below(t, cover);
@@ -139,9 +155,10 @@ float trace(out float trust) {
         float middle = 0.5 * (out_t + in_t);
         if (inside(middle)) in_t = middle; else out_t = middle;
       }
-      float depth = below(in_t, cover);
-      if (depth <= kCliff) { trust = 1.0; return in_t; }
-      if (trust == 0.0 && depth <= kThick) { edge = in_t; trust = kHidden; }
+      float depth = below_unwalled(in_t, cover);
+      if (abs(depth) <= kCliff) { trust = 1.0; return in_t; }
+      if (trust == 0.0 && depth > 0.0 && depth <= kThick) { edge = in_t; trust = kHidden; }
+      now = depth > 0.0;
     }
     was = now;
   }
@@ -154,21 +171,27 @@ void main() {
   level = clamp(log2(0.5 * u_tile * length(fwidth(v_along)) / 1.4), 0.0, max(log2(u_tile / 8.0), 0.0));
   vec4 color = vec4(0.0);
   vec3 normal = vec3(0.0);
-  float all = 0.0, met = 0.0, nearest = 0.0;
+  float all = 0.0, met = 0.0, shown = 0.0, nearest = 1e9, cover;
+  float ts[3], trusts[3];
   for (int i = 0; i < 3; ++i) {
-    mat3 axes = axes_of(v_frame[i]);
-    frame_uv = v_frame[i];
-    o = v_from * axes;
-    d = along * axes;
-    float trust, t = trace(trust);
+    look_from(v_frame[i], along);
+    ts[i] = trace(trusts[i]);
+    if (trusts[i] == 1.0) nearest = min(nearest, ts[i]);
+  }
+  for (int i = 0; i < 3; ++i) {
+    look_from(v_frame[i], along);
+    float t = ts[i], trust = trusts[i];
     float w = v_weight[i] * (trust > 0.0 ? trust : kEmpty);
+    // Another frame sees a surface that this one cannot see, and this one says what is behind it.
+    bool behind = trust < 1.0 || t > nearest + kCliff;
+    if (behind && nearest < 1e9 && below_unwalled(nearest, cover) > kCliff && cover >= kCovers) w *= kUnseen;
     all += w;
     if (trust == 0.0) continue;
     vec2 uv = uv_of(o + t * d);
     vec4 c = textureLod(u_color, uv, level);
     color += w * c;
     normal += w * c.a * (2.0 * textureLod(u_normal, uv, level).rgb - 1.0);
-    if (w > met) { met = w; nearest = t; }
+    if (w > met) { met = w; shown = t; }
   }
   if (!(color.a > 0.0)) discard;
   color /= all;
@@ -179,7 +202,7 @@ void main() {
   vec3 n = normalize(mat3(v_world) * normal + 1e-9);
   vec3 light = u_ambient + u_sun_color * max(dot(n, u_sun), 0.0);
   gl_FragColor = vec4(color.rgb * light, color.a);
-  vec4 clip = projectionMatrix * viewMatrix * v_world * vec4(v_from + nearest * along, 1.0);
+  vec4 clip = projectionMatrix * viewMatrix * v_world * vec4(v_from + shown * along, 1.0);
   gl_FragDepth = clamp(0.5 + 0.5 * clip.z / clip.w, 0.0, 1.0);
   #include <colorspace_fragment>
 }`;
