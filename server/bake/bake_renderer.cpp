@@ -18,6 +18,8 @@ const std::vector<GLenum> kStripFormats = {GL_RGBA16F, GL_RGBA16F, GL_RGBA16F, G
 
 constexpr GLenum kAllDrawn[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2};
 constexpr GLenum kNothing[] = {GL_NONE};
+// From this alpha, more is seen of a blended surface than of what is behind.
+constexpr float kHidesMore = 0.5f;
 
 // Positions are relative to the centre. Depth is 0 at the sphere's near end and 1 at its far end.
 glm::mat4 frame_projection(const FrameBasis& basis, double radius) {
@@ -81,7 +83,7 @@ BakeRenderer::BakeRenderer(const GpuScene& scene)
 }
 BakeRenderer::~BakeRenderer() = default;
 
-Result<void> BakeRenderer::prepare(int edge, int samples) {
+Result<void> BakeRenderer::prepare(const BakeSubject& subject, int edge, int samples) {
   if (samples_ != samples) {
     Result<gl::Program> made = gl::Program::create("common/fullscreen.vert", "bake/bake_frame.frag",
                                                    {"FACTOR " + std::to_string(samples)});
@@ -94,6 +96,11 @@ Result<void> BakeRenderer::prepare(int edge, int samples) {
     drawn_ = gl::RenderTarget();  // frees the old one first
     drawn_ = gl::RenderTarget(big, big, kDrawnFormats, GL_DEPTH_COMPONENT32F);
     if (!drawn_.ok()) return no_target(edge, samples);
+  }
+  if (subject.blended && fronts_alone_.width() != big) {
+    fronts_alone_ = gl::RenderTarget();
+    fronts_alone_ = gl::RenderTarget(big, big, {}, GL_DEPTH_COMPONENT32F);
+    if (!fronts_alone_.ok()) return no_target(edge, samples);
   }
   return {};
 }
@@ -124,16 +131,27 @@ void BakeRenderer::draw_frame(const BakeSubject& subject, const glm::mat4& clip_
   for (const bool blended : {false, true}) draw_parts(meshes_, subject, eye, allowed, blended);
   meshes_.end();
   if (!subject.blended) return;
-  // Blended surfaces have written no depth; the nearest that is seen gives it.
-  glDrawBuffers(1, kNothing);
+  // Blended surfaces have written no depth. Those that hide more than they show write it here.
   fronts_.set_stroke(static_cast<float>(samples));
+  glDrawBuffers(1, kNothing);
+  draw_fronts(subject, clip_from_relative, eye, allowed, kHidesMore);
+  glDrawBuffers(3, kAllDrawn);
+  // All of them write it here. It counts where nothing else has any, so that what stands behind
+  // glass keeps its place.
+  fronts_alone_.bind();
+  glClear(GL_DEPTH_BUFFER_BIT);
+  draw_fronts(subject, clip_from_relative, eye, allowed, 0);
+}
+
+void BakeRenderer::draw_fronts(const BakeSubject& subject, const glm::mat4& clip_from_relative,
+                               const glm::dvec3& eye, double allowed, float least_alpha) {
+  fronts_.set_least_alpha(least_alpha);
   fronts_.begin(clip_from_relative, {});
   draw_parts(fronts_, subject, eye, allowed, true);
   fronts_.end();
-  glDrawBuffers(3, kAllDrawn);
 }
 
-void BakeRenderer::resolve(int x, int edge) {
+void BakeRenderer::resolve(int x, int edge, bool blended) {
   strip_.bind();
   glViewport(x, 0, edge, edge);
   glDisable(GL_DEPTH_TEST);
@@ -142,9 +160,11 @@ void BakeRenderer::resolve(int x, int edge) {
   resolve_.set("u_normal", 1);
   resolve_.set("u_material", 2);
   resolve_.set("u_depth", 3);
+  resolve_.set("u_fronts", 4);
   resolve_.set("u_origin", glm::ivec2(x, 0));
-  const GLuint inputs[] = {drawn_.color(0), drawn_.color(1), drawn_.color(2), drawn_.depth()};
-  for (GLenum i = 0; i < 4; ++i) {
+  const GLuint inputs[] = {drawn_.color(0), drawn_.color(1), drawn_.color(2), drawn_.depth(),
+                           blended ? fronts_alone_.depth() : drawn_.depth()};
+  for (GLenum i = 0; i < 5; ++i) {
     glActiveTexture(GL_TEXTURE0 + i);
     glBindTexture(GL_TEXTURE_2D, inputs[i]);
   }
@@ -155,7 +175,9 @@ void BakeRenderer::resolve(int x, int edge) {
 
 Result<BakeMaster> BakeRenderer::bake(const BakeSubject& subject, const BakeShot& shot,
                                       const std::function<bool(double)>& told) {
-  if (const Result<void> ready = prepare(shot.tile, shot.samples); !ready) return ready.error();
+  if (const Result<void> ready = prepare(subject, shot.tile, shot.samples); !ready) {
+    return ready.error();
+  }
   const int across = std::clamp(kWidestStrip / shot.tile, 1, shot.grid);
   strip_ = gl::RenderTarget(across * shot.tile, shot.tile, kStripFormats, 0);
   if (!strip_.ok()) return no_target(shot.tile, shot.samples);
@@ -177,7 +199,7 @@ Result<BakeMaster> BakeRenderer::bake(const BakeSubject& subject, const BakeShot
       const FrameBasis basis = master.basis((first + n) % shot.grid, (first + n) / shot.grid);
       draw_frame(subject, frame_projection(basis, shot.radius), shot.center, shot.tile,
                  shot.samples, allowed);
-      resolve(n * shot.tile, shot.tile);
+      resolve(n * shot.tile, shot.tile, subject.blended);
     }
     const Strip strip(strip_, count, shot.tile);
     const std::size_t texels = std::size_t(shot.tile) * shot.tile;
@@ -195,12 +217,12 @@ Result<BakeMaster> BakeRenderer::bake(const BakeSubject& subject, const BakeShot
 Result<BakeRenderer::Picture> BakeRenderer::draw(const BakeSubject& subject,
                                                  const glm::mat4& clip_from_relative,
                                                  const glm::dvec3& eye, int edge, int samples) {
-  if (const Result<void> ready = prepare(edge, samples); !ready) return ready.error();
+  if (const Result<void> ready = prepare(subject, edge, samples); !ready) return ready.error();
   strip_ = gl::RenderTarget(edge, edge, kStripFormats, 0);
   if (!strip_.ok()) return no_target(edge, samples);
   glDisable(GL_FRAMEBUFFER_SRGB);
   draw_frame(subject, clip_from_relative, eye, edge, samples, 0);
-  resolve(0, edge);
+  resolve(0, edge, subject.blended);
   BakeMaster one;
   one.grid = 1;
   one.tile = edge;

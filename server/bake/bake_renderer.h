@@ -50,12 +50,14 @@ class BakeRenderer {
 
  private:
   struct Strip;
-  Result<void> prepare(int edge, int samples);
+  Result<void> prepare(const BakeSubject& subject, int edge, int samples);
   void draw_parts(gl::MeshPass& pass, const BakeSubject& subject, const glm::dvec3& eye,
                   double allowed, bool blended);
   void draw_frame(const BakeSubject& subject, const glm::mat4& clip_from_relative,
                   const glm::dvec3& eye, int edge, int samples, double allowed);
-  void resolve(int x, int edge);
+  void draw_fronts(const BakeSubject& subject, const glm::mat4& clip_from_relative,
+                   const glm::dvec3& eye, double allowed, float least_alpha);
+  void resolve(int x, int edge, bool blended);
 
   const GpuScene* scene_;
   gl::MeshPass meshes_{gl::MeshOutput::kSurface};
@@ -63,7 +65,8 @@ class BakeRenderer {
   gl::Program resolve_;
   gl::VertexArray empty_vao_;
   gl::RenderTarget drawn_, strip_;
-  int samples_ = 0;  ///< of `resolve_`
+  gl::RenderTarget fronts_alone_;  ///< depth of all blended surfaces, as if nothing else were there
+  int samples_ = 0;                ///< of `resolve_`
 };
 
 }  // namespace mirage

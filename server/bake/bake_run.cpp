@@ -118,7 +118,7 @@ std::vector<std::string> BakeRun::warnings(const BakeSubject& subject, const Bak
   if (subject.animated) out.emplace_back("it is animated: its first pose is baked");
   if (subject.blended) {
     out.emplace_back(
-        "it has blended layers: a texel keeps their sum, and the depth of the nearest");
+        "it has blended layers: a texel keeps their sum, and the depth of the one that shows most");
   }
   if (cut_outs_ > 0) {
     out.push_back(

@@ -7,6 +7,7 @@ uniform sampler2D u_color;
 uniform sampler2D u_normal;    // in the drawn space
 uniform sampler2D u_material;  // metallic, roughness, occlusion
 uniform sampler2D u_depth;     // orthographic: 0 at the near end of the sphere, 1 at its far end
+uniform sampler2D u_fronts;    // the same of blended surfaces, for where u_depth has nothing
 uniform ivec2 u_origin;        // of the frame in the strip
 precise layout(location = 0) out vec4 o_color;
 precise layout(location = 1) out vec4 o_normal;
@@ -22,8 +23,9 @@ void main() {
     for (int x = 0; x < FACTOR; ++x) {
       vec4 c = texelFetch(u_color, base + ivec2(x, y), 0);
       float depth = texelFetch(u_depth, base + ivec2(x, y), 0).r;
+      if (depth == 1.0) depth = texelFetch(u_fronts, base + ivec2(x, y), 0).r;
       color += c;
-      // Blended surfaces write no depth; alone, they count as the middle.
+      // Blended surfaces too faint to count are in the middle.
       if (c.a > 0.0) nearest = min(nearest, depth < 1.0 ? depth : 0.5);
       normal += texelFetch(u_normal, base + ivec2(x, y), 0).xyz * c.a;
       material += texelFetch(u_material, base + ivec2(x, y), 0).xyz * c.a;

@@ -341,6 +341,7 @@ void MeshPass::use(Program& p, const Material& material, NeedMask needs, const G
   p.set("u_tint", tint_);
   p.set("u_mip_bias", stage == Stage::kDepth ? tested_mip_bias_ : mip_bias_);
   p.set("u_point_size", stroke_);
+  if (of_blended()) p.set("u_least_alpha", least_alpha_);
   p.set("u_fog_color", fog_color_);
   p.set("u_fog_density", fog_density_);
   bind_material(p, material, needs, images, stage);

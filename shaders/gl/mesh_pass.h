@@ -69,6 +69,8 @@ class MeshPass {
   /// Sets the width of lines and points, one pixel: `samples` samples on a target with so many per
   /// pixel side.
   void set_stroke(float samples) { stroke_ = samples; }
+  /// Leaves out blended surfaces of less alpha; kFront and kRange alone.
+  void set_least_alpha(float alpha) { least_alpha_ = alpha; }
 
   /// Draws every surface with these features as well. Missing ones use neutral textures, white
   /// vertices and an alpha test that passes. This is a renderer without need analysis, for proofs
@@ -158,6 +160,7 @@ class MeshPass {
   float tested_mip_bias_ = 0;
   std::optional<bool> samples_;  ///< the context shades samples; asked at the first begin()
   float stroke_ = 1;
+  float least_alpha_ = 0;
   glm::vec3 fog_color_{0};
   float fog_density_ = 0;
   const ShadowMap* shadow_ = nullptr;

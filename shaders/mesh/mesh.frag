@@ -15,6 +15,7 @@ precise layout(location = 0) out vec4 o_color;
 #endif
 #ifdef SEEN
 #include "common/seen.glsl"
+uniform float u_least_alpha;  // below it, too, a blended surface does not count
 #endif
 #ifdef WRITE_RANGE
 // greatest of 1 less the window depth, and of the window depth
@@ -239,7 +240,7 @@ void main() {
   if (base.a < u_alpha_cutoff) discard;
 #endif
 #ifdef SEEN
-  if (base.a < kSeenAlpha) discard;
+  if (base.a < max(kSeenAlpha, u_least_alpha)) discard;
 #endif
 #ifdef CLEAR
   push_away();

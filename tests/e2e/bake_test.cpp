@@ -197,6 +197,38 @@ TEST(Bake, SaysWhatIsWrong) {
   EXPECT_EQ(bake("no-such-file.glb", out).exit_code, 3);
 }
 
+/// Returns the height above the centre, in radii, that a picture of normals has at a texel.
+double height_at(const std::string& png, int x, int y) {
+  const auto in = OIIO::ImageInput::open(png);
+  if (!in || in->spec().nchannels != 4) return -9;
+  const int width = in->spec().width;
+  std::vector<float> texels(in->spec().image_pixels() * 4);
+  if (!in->read_image(0, 0, 0, 4, OIIO::TypeDesc::FLOAT, texels.data())) return -9;
+  return 2 * texels[4 * (std::size_t(y) * width + x) + 3] - 1;
+}
+
+TEST(Bake, WhatStandsBehindGlassKeepsItsPlace) {
+  Builder b = box_builder(kRed);
+  b.doc["materials"].push_back(
+      {{"pbrMetallicRoughness", {{"baseColorFactor", {0, 1, 0, 0.3}}}}, {"alphaMode", "BLEND"}});
+  b.doc["meshes"].push_back(b.doc["meshes"][0]);
+  b.doc["meshes"][1]["primitives"][0]["material"] = 1;
+  b.doc["nodes"] = {{{"mesh", 0}, {"scale", {0.5, 0.5, 0.5}}}, {{"mesh", 1}}};
+  b.doc["scenes"] = {{{"nodes", {0, 1}}}};
+  const std::string scene = scratch_folder() + "/vitrine.glb", out = scratch_folder();
+  std::ofstream(scene, std::ios::binary) << file_of(b);
+  const Finished done =
+      run({binary("mirage-bake"), scene, "--out", out, "--whole", "--grid", "3", "--size", "192",
+           "--layout", "hemi", "--maps", "color,normal", "--measure", "none"});
+  ASSERT_EQ(done.exit_code, 0) << done.output;
+  const json object = json_of(out + "/vitrine.json");
+  const double radius = object["radius"];
+  // The frame in the middle looks down on a box of .5 within one of 1.
+  const std::string normals = out + "/vitrine.normal.png";
+  EXPECT_NEAR(height_at(normals, 96, 96), 0.5 / radius, 0.01) << "the box";
+  EXPECT_NEAR(height_at(normals, 96 + int(0.75 / radius * 32), 96), 1 / radius, 0.01) << "glass";
+}
+
 TEST(Bake, NamesFromFilesStayInTheFolder) {
   Builder b = box_builder(kRed);
   b.doc["meshes"][0]["name"] = "../../out of here/\"'; rm -rf *\n";
