@@ -47,7 +47,7 @@ class OiioReader final : public ImageReader {
     OIIO::ImageSpec config;
     if (proxy_) {
       config["oiio:UnassociatedAlpha"] = 1;
-      config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy_);
+      config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, static_cast<const void*>(&proxy_));
     }
     {
       const std::lock_guard<std::mutex> alone(opening());

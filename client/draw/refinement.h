@@ -31,6 +31,7 @@ class Refinement {
   const FrameTarget& picture(const FrameTarget& drawn) const {
     return drawings_ > 0 && one_sample_ ? *one_sample_ : drawn;
   }
+  const FrameTarget& picture(const FrameTarget&& drawn) const = delete;  // it would be gone
   std::size_t gpu_bytes() const;
 
  private:

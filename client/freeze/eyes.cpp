@@ -21,8 +21,10 @@ std::vector<EyePart> rings(const FreezeOptions& options, const HomeView& home) {
   const double first_elevation = std::asin(std::clamp(arm.y / distance, -1.0, 1.0));
   const double step = 2 * kPi / options.eyes;
   std::vector<double> elevations = {first_elevation};  // the home view is one of the eyes
-  for (double e = first_elevation + step; e <= kHighestRing; e += step) elevations.push_back(e);
-  for (double e = first_elevation - step; e >= -kHighestRing; e -= step) elevations.push_back(e);
+  for (int i = 1; first_elevation + i * step <= kHighestRing; ++i)
+    elevations.push_back(first_elevation + i * step);
+  for (int i = 1; first_elevation - i * step >= -kHighestRing; ++i)
+    elevations.push_back(first_elevation - i * step);
   std::vector<EyePart> out;
   for (const double share : kRingDistances) {
     for (const double elevation : elevations) {

@@ -34,15 +34,15 @@ inline constexpr std::size_t kMaxLightingStatesPerClient = 64;
 /// Memory for the full renders of all clients that are rendering or waiting to be sent. One of the
 /// largest size fits.
 inline constexpr std::size_t kMaxFullRenderBytes = 512u << 20;
-inline constexpr std::size_t reference_bytes(std::uint32_t width, std::uint32_t height) {
+constexpr std::size_t reference_bytes(std::uint32_t width, std::uint32_t height) {
   return std::size_t{12} * width * height;  // colour, depth, id
 }
 inline constexpr std::size_t kMaxReferencePixels = 4096u * 4096u;
 inline constexpr std::uint32_t kMaxReferenceEdge = 8192;
 inline constexpr std::uint32_t kMaxReferenceSupersample = 4;  ///< per axis
 /// True if a full render of this size is allowed; `supersample` is per axis.
-inline constexpr bool reference_within_limits(std::uint32_t width, std::uint32_t height,
-                                              std::uint32_t supersample) {
+constexpr bool reference_within_limits(std::uint32_t width, std::uint32_t height,
+                                       std::uint32_t supersample) {
   const bool edges =
       width >= 1 && width <= kMaxReferenceEdge && height >= 1 && height <= kMaxReferenceEdge;
   const bool samples = supersample >= 1 && supersample <= kMaxReferenceSupersample;

@@ -17,7 +17,7 @@ class ByteBudget {
   };
 
  public:
-  using Place = typename std::list<Entry>::iterator;
+  using Place = std::list<Entry>::iterator;
 
   explicit ByteBudget(std::size_t budget) : budget_(budget) {}
 

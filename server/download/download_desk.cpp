@@ -106,7 +106,8 @@ void DownloadDesk::tidy() {
     Job& job = **at;
     if (job.state.stage == Stage::kDone || job.state.stage == Stage::kFailed) {
       bytes += job.state.file ? job.state.file->size() : 0;
-      if (++kept > kMostKept || (kept > 1 && bytes > kMostKeptBytes)) job.dropped = true;
+      ++kept;
+      if (kept > kMostKept || (kept > 1 && bytes > kMostKeptBytes)) job.dropped = true;
     } else if (now_us - job.asked_us > kPatienceUs) {
       job.dropped = true;
     }

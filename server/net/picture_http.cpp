@@ -24,7 +24,10 @@ bool read_numbers(const std::string& text, char between, std::array<T, N>& out) 
   const char* at = text.data();
   const char* const end = at + text.size();
   for (std::size_t i = 0; i < N; ++i) {
-    if (i > 0 && (at == end || *at++ != between)) return false;
+    if (i > 0) {
+      if (at == end || *at != between) return false;
+      ++at;
+    }
     const auto [next, error] = std::from_chars(at, end, out[i]);
     if (error != std::errc()) return false;
     at = next;

@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <map>
+#include <tuple>
 
 #include "client/draw/geometric_error.h"
 #include "client/frame/planned_frame.h"
@@ -24,7 +25,7 @@ namespace {
 
 constexpr int kDirections = 24;
 constexpr int kTreeDirections = 4;  // its truth takes seconds a picture on a CPU
-constexpr std::uint32_t kEdge = Bench::kSize;
+constexpr std::uint32_t kFieldEdge = Bench::kSize;
 constexpr double kGridMiB = 42.7;  // of the 12 x 12 grid of views to compare with
 
 struct Model {
@@ -49,9 +50,16 @@ struct Row {
 
 std::ostream& operator<<(std::ostream& out, const Row& row) { return out << row.name; }
 
+// A bench, and the full renders made with it, by distance in radii, direction and number of
+// directions: they take most of the time, and many rows compare with the same.
+struct Shared {
+  std::unique_ptr<Bench> bench;
+  std::map<std::tuple<double, int, int>, std::vector<std::uint8_t>> truths;
+};
+
 // The bench in use, by model. It stays as long as the following tests want the same.
-std::map<std::string, std::unique_ptr<Bench>>& shared_benches() {
-  static std::map<std::string, std::unique_ptr<Bench>> benches;
+std::map<std::string, Shared>& shared_benches() {
+  static std::map<std::string, Shared> benches;
   return benches;
 }
 
@@ -63,21 +71,27 @@ class ReleaseBenches : public ::testing::Environment {
 
 // Returns the bench of the model; nullptr: the model is missing.
 Bench* bench_for(const Model& model) {
-  std::map<std::string, std::unique_ptr<Bench>>& benches = shared_benches();
+  std::map<std::string, Shared>& benches = shared_benches();
   std::string spec = model.spec;
   if (spec.rfind("builtin:", 0) != 0) {
     spec = (data_folder() / spec).string();
     if (!std::ifstream(spec)) return nullptr;
   }
-  std::unique_ptr<Bench>& bench = benches[model.name];
   // One context at a time: each bench has one, and the newest is current.
-  if (!bench) {
+  if (!benches[model.name].bench) {
     benches.clear();
-    benches[model.name] = Bench::create(spec, model.light);
+    benches[model.name].bench = Bench::create(spec, model.light);
   }
-  Bench* made = benches[model.name].get();
+  Bench* made = benches[model.name].bench.get();
   if (made) made->make_current();
   return made;
+}
+
+const std::vector<std::uint8_t>& truth_of(const Row& row, int direction, const Camera& camera) {
+  Shared& shared = shared_benches()[row.model.name];
+  std::vector<std::uint8_t>& truth = shared.truths[{row.radii, direction, row.directions}];
+  if (truth.empty()) truth = shared.bench->truth(camera, 4);
+  return truth;
 }
 
 // Keeps the drawn picture, the truth and twice the difference side by side, if a folder is given.
@@ -86,10 +100,10 @@ void keep_picture(const std::string& name, const std::vector<std::uint8_t>& draw
   const char* folder = std::getenv("MIRAGE_FIDELITY_PICTURES");
   if (!folder) return;
   std::ofstream file(std::string(folder) + "/" + name + ".ppm", std::ios::binary);
-  file << "P6 " << 3 * kEdge << " " << kEdge << " 255\n";
-  for (std::size_t y = 0; y < kEdge; ++y) {
+  file << "P6 " << 3 * kFieldEdge << " " << kFieldEdge << " 255\n";
+  for (std::size_t y = 0; y < kFieldEdge; ++y) {
     for (int panel = 0; panel < 3; ++panel) {
-      for (std::size_t i = y * kEdge * 4; i < (y + 1) * kEdge * 4; ++i) {
+      for (std::size_t i = y * kFieldEdge * 4; i < (y + 1) * kFieldEdge * 4; ++i) {
         if (i % 4 == 3) continue;
         const int d = std::min(255, 2 * std::abs(drawn[i] - truth[i]));
         file.put(static_cast<char>(panel == 0 ? drawn[i] : panel == 1 ? truth[i] : d));
@@ -115,9 +129,9 @@ TEST_P(Fidelity, Row) {
     texels = std::max(texels, cache.atlas_texels());
     const Camera camera = bench->camera(row.radii, eye);
     const std::vector<std::uint8_t> drawn = bench->picture(camera, tile, row.method);
-    const std::vector<std::uint8_t> truth = bench->truth(camera, 4);
-    const FieldFidelity f =
-        field_fidelity({kEdge, kEdge, truth.data()}, {kEdge, kEdge, drawn.data()});
+    const std::vector<std::uint8_t>& truth = truth_of(row, i, camera);
+    const FieldFidelity f = field_fidelity({kFieldEdge, kFieldEdge, truth.data()},
+                                           {kFieldEdge, kFieldEdge, drawn.data()});
     psnr.add(f.psnr_db);
     ssim.add(f.ssim);
     iou.add(f.iou);
@@ -134,7 +148,7 @@ TEST_P(Fidelity, Row) {
   EXPECT_LT(mib, kGridMiB / 3);
 }
 
-constexpr DrawMethod kQuad = DrawMethod::kQuad, kDepth = DrawMethod::kDepth,
+constexpr DrawMethod kQuad = DrawMethod::kQuad, kRelief = DrawMethod::kDepth,
                      kHull = DrawMethod::kHull, kWarp = DrawMethod::kWarp;
 
 const Row kRows[] = {
@@ -142,19 +156,19 @@ const Row kRows[] = {
     {"knot_settled_4r", kKnot, 4, 0, kQuad, 45, 0.995},
     {"knot_settled_12r", kKnot, 12, 0, kQuad, 45, 0.995},
     {"knot_settled_40r", kKnot, 40, 0, kQuad, 45, 0.995},
-    {"knot_settled_relief", kKnot, 4, 0, kDepth, 45, 0.995},
+    {"knot_settled_relief", kKnot, 4, 0, kRelief, 45, 0.995},
     {"knot_5deg_quad", kKnot, 4, 5, kQuad, 25, 0.92},
     {"knot_5deg_hull", kKnot, 4, 5, kHull, 24.5, 0.91},
     {"knot_5deg_warp", kKnot, 4, 5, kWarp, 26.5, 0.935},
     {"knot_10deg_quad", kKnot, 4, 10, kQuad, 22, 0.855},
     {"knot_10deg_hull", kKnot, 4, 10, kHull, 21.5, 0.84},
     {"knot_10deg_warp", kKnot, 4, 10, kWarp, 23.5, 0.885},
-    {"knot_5deg", kKnot, 4, 5, kDepth, 33, 0.97},
-    {"knot_10deg", kKnot, 4, 10, kDepth, 29.5, 0.95},
+    {"knot_5deg", kKnot, 4, 5, kRelief, 33, 0.97},
+    {"knot_10deg", kKnot, 4, 10, kRelief, 29.5, 0.95},
     {"monkey_settled_4r", kMonkey, 4, 0, kQuad, 44, 0.995},
     {"tree_settled_4r", kTree, 4, 0, kQuad, 36, 0.97, kTreeDirections},
-    {"tree_5deg", kTree, 4, 5, kDepth, 24, 0.84, kTreeDirections},
-    {"tree_10deg", kTree, 4, 10, kDepth, 22.5, 0.80, kTreeDirections},
+    {"tree_5deg", kTree, 4, 5, kRelief, 24, 0.84, kTreeDirections},
+    {"tree_10deg", kTree, 4, 10, kRelief, 22.5, 0.80, kTreeDirections},
 };
 
 INSTANTIATE_TEST_SUITE_P(Field, Fidelity, testing::ValuesIn(kRows), [](const auto& row) {
@@ -193,10 +207,10 @@ TEST(Cost, OfEachMethodAgainstTheQuad) {
   for (const Timed& t : {Timed{"cuboid", DrawMethod::kCuboid, 2},
                          {"hull", DrawMethod::kHull, 2},
                          {"warp", DrawMethod::kWarp, 2},
-                         {"relief", kDepth, 0},
-                         {"relief", kDepth, 1},
-                         {"relief", kDepth, 5},
-                         {"relief", kDepth, 10}}) {
+                         {"relief", kRelief, 0},
+                         {"relief", kRelief, 1},
+                         {"relief", kRelief, 5},
+                         {"relief", kRelief, 10}}) {
     const TileRecordPtr tile = bench->tile_for(bench->camera(4, turned(eye, t.degrees, 0)), cache);
     const double ms = draw_ms(*bench, camera, tile, t.method);
     std::printf("[ FIGURES  ] cost of %-14s at %4.1f deg: %.2f x quad (%.2f ms)\n", t.name,
@@ -217,8 +231,8 @@ TEST(Methods, AgreeAtTheCapturePose) {
   for (const DrawMethod method :
        {DrawMethod::kCuboid, DrawMethod::kHull, DrawMethod::kWarp, DrawMethod::kDepth}) {
     const std::vector<std::uint8_t> other = bench->picture(c, tile, method);
-    const FieldFidelity f =
-        field_fidelity({kEdge, kEdge, quad.data()}, {kEdge, kEdge, other.data()});
+    const FieldFidelity f = field_fidelity({kFieldEdge, kFieldEdge, quad.data()},
+                                           {kFieldEdge, kFieldEdge, other.data()});
     EXPECT_GE(f.psnr_db.value_or(0), 50.0) << "method " << static_cast<int>(method);
   }
 }

@@ -16,7 +16,7 @@
 namespace mirage::test {
 namespace {
 
-constexpr float kSlatsZ = 0.5f, kBoardZ = -0.5f;
+constexpr float kSlatsZ = 0.5f, kBehindZ = -0.5f;
 constexpr int kSlats = 8;  // as wide as the gaps between them
 
 /// Returns red slats before a blue board of 2 x 2, as one object with an alpha test, towards +z.
@@ -38,7 +38,7 @@ std::string slats_before_board() {
     return json{{"pbrMetallicRoughness", {{"baseColorFactor", {red, 0.1, blue, 0.9}}}},
                 {"alphaMode", "BLEND"}};
   };
-  rectangle(-1, 1, kBoardZ);
+  rectangle(-1, 1, kBehindZ);
   const json board = part(0);
   for (int i = 0; i < kSlats; ++i) {
     const float x = -1 + 2.0f * static_cast<float>(i) / kSlats;
@@ -89,10 +89,10 @@ TEST_F(Layers, TheSecondHoldsWhatTheFirstHides) {
     if (tile->behind_depth[i] == 0) continue;
     ++hidden;
     EXPECT_NEAR(tile->depth_code.decode(tile->depth[i]), dc - kSlatsZ, 0.03);
-    EXPECT_NEAR(tile->depth_code.decode(tile->behind_depth[i]), dc - kBoardZ, 0.03);
+    EXPECT_NEAR(tile->depth_code.decode(tile->behind_depth[i]), dc - kBehindZ, 0.03);
   }
   EXPECT_GT(hidden, static_cast<int>(tile->depth.size()) / 3);
-  EXPECT_GE(tile->measure.depth_max, dc - kBoardZ);
+  EXPECT_GE(tile->measure.depth_max, dc - kBehindZ);
 }
 
 TEST_F(Layers, SlatsFromAsideShowTheBoardBehindThem) {
@@ -127,7 +127,7 @@ TEST_F(Layers, TheBoundCoversWhatTheSecondShows) {
   const double bound =
       tile->bound_px(DrawMethod::kDepth, object, view_geometry(aside, bench->instance(), object));
   const glm::dvec3 from = aside.pose.eye - bench->instance().center, eye = tile->capture.eye();
-  const double board_z = kBoardZ - double{object.center.z};
+  const double board_z = kBehindZ - double{object.center.z};
   double worst = 0, worst_flat = 0;
   for (std::uint32_t y = 0; y < tile->crop.h; ++y) {
     for (std::uint32_t x = 0; x < tile->crop.w; ++x) {

@@ -14,8 +14,8 @@
 namespace mirage::test {
 namespace {
 
-constexpr std::uint32_t kEdge = Bench::kSize;
-constexpr int kDirections = 8;
+constexpr std::uint32_t kLitEdge = Bench::kSize;
+constexpr int kLitDirections = 8;
 
 using Picture = std::vector<std::uint8_t>;
 
@@ -50,8 +50,9 @@ struct Agreement {
   MeasureMean psnr;
   double delta_e = 0;
   void add(const Picture& truth, const Picture& test) {
-    psnr.add(field_fidelity({kEdge, kEdge, truth.data()}, {kEdge, kEdge, test.data()}).psnr_db);
-    delta_e += mean_delta_e(truth, test) / kDirections;
+    psnr.add(field_fidelity({kLitEdge, kLitEdge, truth.data()}, {kLitEdge, kLitEdge, test.data()})
+                 .psnr_db);
+    delta_e += mean_delta_e(truth, test) / kLitDirections;
   }
   void print(const char* model, const char* what) const {
     std::printf("[ FIGURES  ] %-14s %-22s PSNR %.1f dB, mean dE %.2f\n", model, what,
@@ -97,10 +98,10 @@ void keep(const std::string& name, const std::vector<Picture>& panels) {
   const char* folder = std::getenv("MIRAGE_FIDELITY_PICTURES");
   if (!folder) return;
   std::ofstream file(std::string(folder) + "/" + name + ".ppm", std::ios::binary);
-  file << "P6 " << panels.size() * kEdge << " " << kEdge << " 255\n";
-  for (std::size_t y = 0; y < kEdge; ++y) {
+  file << "P6 " << panels.size() * kLitEdge << " " << kLitEdge << " 255\n";
+  for (std::size_t y = 0; y < kLitEdge; ++y) {
     for (const Picture& panel : panels) {
-      for (std::size_t i = y * kEdge * 4; i < (y + 1) * kEdge * 4; ++i) {
+      for (std::size_t i = y * kLitEdge * 4; i < (y + 1) * kLitEdge * 4; ++i) {
         if (i % 4 != 3) file.put(static_cast<char>(panel[i]));
       }
     }
@@ -116,14 +117,14 @@ TEST(Fog, IsInThePictureAndNotInTheTile) {
         Bench::create("builtin:knot", BenchLight::kLit, placed(), density);
     ASSERT_TRUE(bench);
     for (const double radii : {4.0, 12.0}) {
-      const Camera c = bench->camera(radii, fibonacci_direction(3, kDirections));
+      const Camera c = bench->camera(radii, fibonacci_direction(3, kLitDirections));
       TileCache cache = bench->make_cache();
       const TileRecordPtr lit = bench->tile_for(c, cache);
       bytes.push_back(bench->tile_hash());
       const TileRecordPtr relit = bench->tile_for(c, cache, kRelitTile);
       const Picture truth = bench->truth(c, 4), mesh = bench->mesh_picture(c);
       const auto psnr = [&](const Picture& test) {
-        return field_fidelity({kEdge, kEdge, truth.data()}, {kEdge, kEdge, test.data()})
+        return field_fidelity({kLitEdge, kLitEdge, truth.data()}, {kLitEdge, kLitEdge, test.data()})
             .psnr_db.value_or(0);
       };
       const double as_mesh = psnr(mesh);
@@ -145,20 +146,20 @@ TEST(Fog, IsInThePictureAndNotInTheTile) {
   EXPECT_EQ(bytes[1], bytes[3]);
 }
 
-struct Model {
+struct LitModel {
   const char* name;
   const char* spec;  // relative paths start at the shared models
   double lit_db, relit_db;
   BenchLight light = BenchLight::kLit;
 };
-const Model kModels[] = {
+const LitModel kModels[] = {
     {"knot", "builtin:knot", 50, 44},
     {"knot_in_a_probe", "builtin:knot", 50, 44, BenchLight::kProbe},
     {"helmet_in_a_probe", "assets/objects/flight_helmet.glb", 40, 35, BenchLight::kProbe},
     {"flight_helmet", "assets/objects/flight_helmet.glb", 41, 35},
     {"tree", "assets/reference/tree.glb", 33, 31}};
 
-std::unique_ptr<Bench> bench_for(const Model& model, const Similarity& at = placed()) {
+std::unique_ptr<Bench> lit_bench_for(const LitModel& model, const Similarity& at = placed()) {
   std::string spec = model.spec;
   if (spec.rfind("builtin:", 0) != 0) {
     spec = (data_folder() / spec).string();
@@ -167,16 +168,16 @@ std::unique_ptr<Bench> bench_for(const Model& model, const Similarity& at = plac
   return Bench::create(spec, model.light, at);
 }
 
-class LitAndRelit : public testing::TestWithParam<Model> {};
+class LitAndRelit : public testing::TestWithParam<LitModel> {};
 
 TEST_P(LitAndRelit, MatchTheMeshAndTheTruth) {
-  const Model& model = GetParam();
-  const std::unique_ptr<Bench> bench = bench_for(model);
+  const LitModel& model = GetParam();
+  const std::unique_ptr<Bench> bench = lit_bench_for(model);
   ASSERT_TRUE(bench) << "no " << model.spec;
   Agreement mesh_truth, lit_truth, relit_truth, lit_mesh, relit_mesh;
   std::size_t lit_bytes = 0, relit_bytes = 0;
-  for (int i = 0; i < kDirections; ++i) {
-    const Camera c = bench->camera(4, fibonacci_direction(i, kDirections));
+  for (int i = 0; i < kLitDirections; ++i) {
+    const Camera c = bench->camera(4, fibonacci_direction(i, kLitDirections));
     TileCache cache = bench->make_cache();
     const TileRecordPtr lit = bench->tile_for(c, cache);
     lit_bytes += bench->tile_bytes();
@@ -199,7 +200,7 @@ TEST_P(LitAndRelit, MatchTheMeshAndTheTruth) {
   lit_mesh.print(model.name, "lit against mesh");
   relit_mesh.print(model.name, "relit against mesh");
   std::printf("[ FIGURES  ] %-14s bytes: lit %zu, relit %zu a tile\n", model.name,
-              lit_bytes / kDirections, relit_bytes / kDirections);
+              lit_bytes / kLitDirections, relit_bytes / kLitDirections);
   EXPECT_GE(lit_truth.psnr.mean().value_or(0), model.lit_db);
   EXPECT_GE(relit_truth.psnr.mean().value_or(0), model.relit_db);
   EXPECT_LT(relit_bytes, 3 * lit_bytes);
@@ -207,12 +208,12 @@ TEST_P(LitAndRelit, MatchTheMeshAndTheTruth) {
 
 // One relit tile shows every light; a lit one shows the light it was made for.
 TEST_P(LitAndRelit, OnlyTheRelitTileFollowsTheLight) {
-  const Model& model = GetParam();
-  const std::unique_ptr<Bench> bench = bench_for(model);
+  const LitModel& model = GetParam();
+  const std::unique_ptr<Bench> bench = lit_bench_for(model);
   ASSERT_TRUE(bench) << "no " << model.spec;
   Agreement lit_after, relit_after, traced_after;
-  for (int i = 0; i < kDirections; ++i) {
-    const Camera c = bench->camera(4, fibonacci_direction(i, kDirections));
+  for (int i = 0; i < kLitDirections; ++i) {
+    const Camera c = bench->camera(4, fibonacci_direction(i, kLitDirections));
     TileCache cache = bench->make_cache();
     const Lighting before = bench->light();
     const TileRecordPtr lit = bench->tile_for(c, cache);
@@ -240,7 +241,8 @@ INSTANTIATE_TEST_SUITE_P(Models, LitAndRelit, testing::ValuesIn(kModels),
                          [](const auto& model) { return std::string(model.param.name); });
 
 // Returns the fastest of some runs, ms: the machine's load only adds time.
-double draw_ms(Bench& bench, const Camera& camera, const TileRecordPtr& tile, DrawMethod method) {
+double lit_draw_ms(Bench& bench, const Camera& camera, const TileRecordPtr& tile,
+                   DrawMethod method) {
   double best = 1e9;
   for (int run = 0; run < 8; ++run) {
     const auto start = std::chrono::steady_clock::now();
@@ -254,15 +256,15 @@ double draw_ms(Bench& bench, const Camera& camera, const TileRecordPtr& tile, Dr
 
 // Times are printed, not judged, because they depend on the machine.
 TEST(LightCost, OfShadingWhereItIsDrawn) {
-  const std::unique_ptr<Bench> bench = bench_for(kModels[0]);
+  const std::unique_ptr<Bench> bench = lit_bench_for(kModels[0]);
   ASSERT_TRUE(bench);
-  const Camera c = bench->camera(4, fibonacci_direction(3, kDirections));
+  const Camera c = bench->camera(4, fibonacci_direction(3, kLitDirections));
   TileCache cache = bench->make_cache();
   const TileRecordPtr lit = bench->tile_for(c, cache);
   const TileRecordPtr relit = bench->tile_for(c, cache, kRelitTile);
   for (const auto& [name, method] :
        {std::pair{"quad", DrawMethod::kQuad}, {"relief", DrawMethod::kDepth}}) {
-    const double a = draw_ms(*bench, c, lit, method), b = draw_ms(*bench, c, relit, method);
+    const double a = lit_draw_ms(*bench, c, lit, method), b = lit_draw_ms(*bench, c, relit, method);
     std::printf("[ FIGURES  ] cost of relit %s: %.2f x lit (%.2f ms against %.2f ms)\n", name,
                 b / a, b, a);
     EXPECT_GT(a, 0);

@@ -11,24 +11,25 @@
 namespace mirage::test {
 namespace {
 
-constexpr int kWidth = 640, kHeight = 640;  // points and triangles of three parts and a bit
+constexpr int kPacedWidth = 640,
+              kPacedHeight = 640;  // points and triangles of three parts and a bit
 constexpr float kAlpha = 0.25f;
 
 /// Returns one vertex at the lower left corner of each cell of a grid over the picture, and the
 /// last ones on the far sides.
 std::vector<Vertex> grid() {
   std::vector<Vertex> out;
-  for (int y = 0; y <= kHeight; ++y) {
-    for (int x = 0; x <= kWidth; ++x) out.emplace_back().position = {x, y, 0};
+  for (int y = 0; y <= kPacedHeight; ++y) {
+    for (int x = 0; x <= kPacedWidth; ++x) out.emplace_back().position = {x, y, 0};
   }
   return out;
 }
 
 std::vector<std::uint32_t> cells(PrimitiveKind kind) {
   std::vector<std::uint32_t> out;
-  for (std::uint32_t y = 0; y < kHeight; ++y) {
-    for (std::uint32_t x = 0; x < kWidth; ++x) {
-      const std::uint32_t at = y * (kWidth + 1) + x, above = at + kWidth + 1;
+  for (std::uint32_t y = 0; y < kPacedHeight; ++y) {
+    for (std::uint32_t x = 0; x < kPacedWidth; ++x) {
+      const std::uint32_t at = y * (kPacedWidth + 1) + x, above = at + kPacedWidth + 1;
       if (kind == PrimitiveKind::kPoints) {
         out.push_back(at);
       } else {
@@ -53,18 +54,18 @@ void expect_all_drawn_once(PrimitiveKind kind, float middle) {
     material.unlit = material.double_sided = true;
     material.alpha_mode = AlphaMode::kBlend;
     material.base_color.a = kAlpha;
-    const gl::RenderTarget target(kWidth, kHeight, {GL_RGBA32F}, GL_DEPTH_COMPONENT32F);
+    const gl::RenderTarget target(kPacedWidth, kPacedHeight, {GL_RGBA32F}, GL_DEPTH_COMPONENT32F);
     target.bind();
-    glViewport(0, 0, kWidth, kHeight);
+    glViewport(0, 0, kPacedWidth, kPacedHeight);
     glClearColor(0, 0, 0, 0);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     gl::MeshPass pass(gl::MeshOutput::kColor);
-    pass.begin(glm::ortho(-middle, kWidth - middle, -middle, kHeight - middle), {});
+    pass.begin(glm::ortho(-middle, kPacedWidth - middle, -middle, kPacedHeight - middle), {});
     const gl::MeshInstance instance;
     pass.draw(gl::GpuMesh(mesh), {material}, {}, &instance, 1, true);
     pass.end();
-    std::vector<glm::vec4> pixels(std::size_t{kWidth} * kHeight);
-    glReadPixels(0, 0, kWidth, kHeight, GL_RGBA, GL_FLOAT, pixels.data());
+    std::vector<glm::vec4> pixels(std::size_t{kPacedWidth} * kPacedHeight);
+    glReadPixels(0, 0, kPacedWidth, kPacedHeight, GL_RGBA, GL_FLOAT, pixels.data());
     std::size_t wrong = 0;
     for (const glm::vec4& pixel : pixels) wrong += pixel.a != kAlpha;
     EXPECT_EQ(wrong, 0u);

@@ -39,7 +39,7 @@
 namespace mirage::test {
 namespace {
 
-constexpr std::uint32_t kEdge = 256;
+constexpr std::uint32_t kShadowEdge = 256;
 const glm::vec3 kSun = glm::normalize(glm::vec3(0.4f, -1, 0.2f));
 constexpr double kBoxHeight = 3;  // height of its centre above the ground; its edge is 2
 
@@ -132,8 +132,9 @@ class Shadows : public ::testing::Test {
         TilePageRenderer::create(*gpu_, 2, shadow_.get()).take());
     renderer_ = std::make_unique<FrameRenderer>(FrameRenderer::create(1024, 2).take());
     ASSERT_TRUE(renderer_->reset(scene_));
-    target_ = std::make_unique<FrameTarget>(FrameTarget::create(kEdge, kEdge, 4).take());
-    camera_.width = camera_.height = kEdge;
+    target_ =
+        std::make_unique<FrameTarget>(FrameTarget::create(kShadowEdge, kShadowEdge, 4).take());
+    camera_.width = camera_.height = kShadowEdge;
     camera_.pose = look_at({6, 9, 12}, {0, 0.5, 0});
     camera_.fit_depth_range(prepared_->bounds_center, prepared_->bounds_radius);
   }
@@ -145,13 +146,13 @@ class Shadows : public ::testing::Test {
     shot.supersample = 4;
     shot.lighting = light_;
     SceneFrame drawn = renderer.draw(shot).take();
-    return {kEdge, kEdge, std::move(drawn.rgba), std::move(drawn.depth), {}};
+    return {kShadowEdge, kShadowEdge, std::move(drawn.rgba), std::move(drawn.depth), {}};
   }
 
   /// Returns the world position that a pixel of the truth shows.
   glm::dvec3 world_at(const ReferenceFrame& frame, std::uint32_t x, std::uint32_t y) const {
-    const double z = frame.depth[std::size_t{y} * kEdge + x];
-    const double f = camera_.focal_px(), half = 0.5 * kEdge;
+    const double z = frame.depth[std::size_t{y} * kShadowEdge + x];
+    const double f = camera_.focal_px(), half = 0.5 * kShadowEdge;
     const glm::dvec3 ray = camera_.forward() + camera_.right() * ((x + 0.625 - half) / f) -
                            camera_.up() * ((y + 0.625 - half) / f);
     return camera_.pose.eye + ray * z;
@@ -235,8 +236,8 @@ class Shadows : public ::testing::Test {
     return target_->read();
   }
   double psnr(const std::vector<std::uint8_t>& drawn, const ReferenceFrame& reference) const {
-    const ImageView truth_view{kEdge, kEdge, reference.rgba.data()};
-    const ImageView test_view{kEdge, kEdge, drawn.data()};
+    const ImageView truth_view{kShadowEdge, kShadowEdge, reference.rgba.data()};
+    const ImageView test_view{kShadowEdge, kShadowEdge, drawn.data()};
     return measure_images(truth_view, test_view).psnr_db.value_or(99);
   }
 
@@ -268,13 +269,13 @@ TEST_F(Shadows, TruthHasThemWhereTheSunPutsThemAndNowhereElse) {
   const ReferenceFrame with = truth(shadow_.get()), without = truth(nullptr);
   const double margin = 3 * SunFrame(kSun, {}, 12, kShadowMapEdge).texel_m() + 0.1;
   int dark = 0, bright = 0;
-  for (std::uint32_t y = 1; y + 1 < kEdge; ++y) {
-    for (std::uint32_t x = 1; x + 1 < kEdge; ++x) {
+  for (std::uint32_t y = 1; y + 1 < kShadowEdge; ++y) {
+    for (std::uint32_t x = 1; x + 1 < kShadowEdge; ++x) {
       const glm::dvec3 p = world_at(with, x, y);
       const bool on_top = std::abs(p.y) < 0.02 && std::max(std::abs(p.x), std::abs(p.z)) < 7.8;
-      if (with.depth[std::size_t{y} * kEdge + x] == 0 || !on_top) continue;
+      if (with.depth[std::size_t{y} * kShadowEdge + x] == 0 || !on_top) continue;
       const double inside = inside_shadow(p);
-      const std::size_t i = (std::size_t{y} * kEdge + x) * 4;
+      const std::size_t i = (std::size_t{y} * kShadowEdge + x) * 4;
       if (inside > margin) {
         ++dark;
         // The value is ambient 0.2 of 0.2 + 0.8 n.l, as sRGB.

@@ -3,13 +3,13 @@
 import { execFileSync } from 'node:child_process';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { bin, flip, launch, open, percentile, picture, pose, scratch, seen, serve, sleep, truth, until, figures } from './harness.mjs';
+import { bin, drawnBy, flip, launch, open, percentile, picture, pose, scratch, seen, serve, sleep, truth, until, figures } from './harness.mjs';
 
 const [scene = 'builtin:forest', budget = '50'] = process.argv.slice(2);
 const speed = 1.4, seconds = 12, every = 1.5;  // m/s on the level, s, s
 
 const server = await serve(scene);
-const browser = await launch();
+const browser = await launch(drawnBy('swiftshader'));
 const first = await open(browser, server.url);
 await seen(first, 60);
 const { eye, ahead: [ax, , az] } = await pose(first);

@@ -7,7 +7,7 @@ import { after, before, test } from 'node:test';
 import { execFileSync } from 'node:child_process';
 import { existsSync, readFileSync, readdirSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { bin, decode, flip, launch, open, picture, pose, rested, scratch, serve, stopAll, truth } from './harness.mjs';
+import { bin, decode, drawnBy, flip, launch, open, picture, pose, rested, scratch, serve, stopAll, truth } from './harness.mjs';
 
 const width = 320, height = 180;
 const mostApart = 0.02;
@@ -29,7 +29,7 @@ const all = [...scenes.flatMap((scene) => Object.keys(settings).map((setting) =>
   ...models.flatMap((model) => ['as served', 'impostors'].map((setting) => [model, setting]))];
 
 let browser;
-before(async () => { browser = await launch(); });
+before(async () => { browser = await launch(drawnBy('swiftshader')); });
 after(async () => {
   await browser?.close();
   stopAll();

@@ -1,6 +1,7 @@
 // A shipped server, a shaped link before it, a real browser, and what tests ask of the page.
-// Environment: WEB_BIN (folder of the programs), WEB_MODULES (folder with node_modules/playwright-core), WEB_CHROMIUM,
-// WEB_ANGLE (what draws: swiftshader; gl-egl: the system's own OpenGL, as the native programs do).
+// Environment: WEB_BIN (folder of the programs), WEB_MODULES (folder with node_modules/playwright-core), WEB_CHROMIUM (default:
+// Chromium without windows, which starts sooner, else Chromium), WEB_ANGLE (what draws. gl-egl: the system's own OpenGL, as for
+// the native programs; swiftshader: what browsers have where no card is, a third slower).
 import { spawn } from 'node:child_process';
 import { existsSync, mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
 import http from 'node:http';
@@ -12,7 +13,10 @@ export const bin = process.env.WEB_BIN;
 const required = createRequire(resolve(process.env.WEB_MODULES, 'x.js'));
 const { chromium } = required('playwright-core');
 const axe = readFileSync(required.resolve('axe-core/axe.min.js'), 'utf8');
-const software = ['--no-sandbox', '--use-gl=angle', `--use-angle=${process.env.WEB_ANGLE ?? 'swiftshader'}`, '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'];
+/// Options of a browser that draws with this, unless WEB_ANGLE names something else.
+export const drawnBy = (angle) =>
+  ['--no-sandbox', '--use-gl=angle', `--use-angle=${process.env.WEB_ANGLE ?? angle}`, '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'];
+const programs = ['/usr/bin/chromium-headless-shell', '/usr/bin/chromium'];
 
 export const sleep = (ms) => new Promise((done) => { setTimeout(done, ms); });
 export const scratch = () => mkdtempSync(join(tmpdir(), 'mirage-web-'));
@@ -79,8 +83,8 @@ export async function hostSite(files = {}, headers = {}) {
   return { origin: `http://127.0.0.1:${server.address().port}`, put: (path, text) => texts.set(path, text), close: () => server.close() };
 }
 
-export const launch = (args = software) =>
-  chromium.launch({ executablePath: process.env.WEB_CHROMIUM ?? '/usr/bin/chromium', args });
+export const launch = (args = drawnBy('gl-egl')) =>
+  chromium.launch({ executablePath: process.env.WEB_CHROMIUM ?? programs.find(existsSync), args });
 
 /// Opens a page that collects what goes wrong in it.
 export async function open(browser, url, { width = 640, height = 360, scale = 1, touch = false, before, ...options } = {}) {

@@ -4,11 +4,11 @@
 // trip longer. Run by hand on a machine that does nothing else:
 //   WEB_BIN=build/release/bin WEB_MODULES=build/web-tests node tests/web/times.mjs [SCENE] [SECONDS of walking]
 import { readFileSync } from 'node:fs';
-import { figures, flip, launch, open, percentile, picture, relay, seen, serve, sleep, truth, until } from './harness.mjs';
+import { figures, drawnBy, flip, launch, open, percentile, picture, relay, seen, serve, sleep, truth, until } from './harness.mjs';
 
 const [scene = 'builtin:forest', seconds = '30'] = process.argv.slice(2);
 const server = await serve(scene);
-const browser = await launch();
+const browser = await launch(drawnBy('swiftshader'));
 
 // The picture that the server itself draws of the page's first view.
 const first = await open(browser, server.url);

@@ -41,12 +41,12 @@ bool read_pointer(const json& target, std::size_t nodes, ChannelSource& out) {
       text(extension != nullptr ? member(*extension, "pointer") : nullptr, "");
   constexpr std::string_view kNodes = "/nodes/";
   if (!pointer.starts_with(kNodes)) return false;
-  const std::string_view rest = std::string_view(pointer).substr(kNodes.size());
-  const std::size_t slash = std::min(rest.find('/'), rest.size());
+  const std::size_t slash = std::min(pointer.find('/', kNodes.size()), pointer.size());
   std::size_t node = 0;
-  const auto [end, error] = std::from_chars(rest.data(), rest.data() + slash, node);
-  if (error != std::errc() || end != rest.data() + slash || node >= nodes) return false;
-  const std::string_view property = rest.substr(slash);
+  const auto [end, error] =
+      std::from_chars(pointer.data() + kNodes.size(), pointer.data() + slash, node);
+  if (error != std::errc() || end != pointer.data() + slash || node >= nodes) return false;
+  const std::string_view property = std::string_view(pointer).substr(slash);
   out.node = static_cast<int>(node);
   out.path = property == "/extensions/KHR_node_visibility/visible"
                  ? kVisiblePath

@@ -154,7 +154,8 @@ glm::dvec3 middle_of(const std::vector<Sample>& samples, double weight) {
     double sum = 0;
     for (const auto& [at, part] : line) {
       middle[axis] = at;
-      if ((sum += part) >= 0.5 * weight) break;
+      sum += part;
+      if (sum >= 0.5 * weight) break;
     }
   }
   return middle;
