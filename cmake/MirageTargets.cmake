@@ -66,15 +66,12 @@ function(mirage_target name)
   # A batch reads headers and instantiates templates once for its files. Shipped code is compiled file by file, unless
   # sanitizers make that slow, or MIRAGE_ALL_BATCHES is on.
   if(MIRAGE_BATCHES AND NOT ARG_ALONE AND (ARG_TEST OR MIRAGE_SANITIZE OR MIRAGE_ALL_BATCHES))
-    # The files of one folder go into batches of 16, so that two cores share a large folder.
+    # The files of one folder are a batch, so a new file never brings other files together.
     set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
     get_target_property(sources ${name} SOURCES)
-    set(position 0)
     foreach(source IN LISTS sources)
       get_filename_component(folder ${source} DIRECTORY)
-      math(EXPR part "${position} / 16")
-      math(EXPR position "${position} + 1")
-      string(MAKE_C_IDENTIFIER "batch_${folder}_${part}" batch)
+      string(MAKE_C_IDENTIFIER "batch_${folder}" batch)
       set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${batch})
     endforeach()
     # These warn of neighbours in a batch. The linter looks at each shipped file alone.
