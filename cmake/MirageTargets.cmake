@@ -23,6 +23,8 @@ function(mirage_target name)
                          # Loops that shall become vectors have no && and no if.
                          $<$<CXX_COMPILER_ID:Clang>:-Wno-bitwise-instead-of-logical>
                          $<$<CXX_COMPILER_ID:Clang>:-Wno-bitwise-conditional-parentheses>
+                         # libstdc++ calls what it deprecates itself (std::stable_sort).
+                         $<$<CXX_COMPILER_ID:Clang>:-Wno-deprecated-declarations>
                          $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>  # false alarms of GCC 12 on std::string
                          -fno-math-errno)
   if(EMSCRIPTEN)

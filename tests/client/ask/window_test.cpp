@@ -158,8 +158,10 @@ TEST(CoreWindow, DrainedAWayIsToldFromAQueue) {
     first_step();
     while (now < 500'000) step();
     // The first window was more than the link carries.
-    for (trip = 70'000; now < 2'000'000;) step();
-    for (trip = 50'000; now < 7'000'000;) step();
+    trip = 70'000;
+    while (now < 2'000'000) step();
+    trip = 50'000;
+    while (now < 7'000'000) step();
     EXPECT_NEAR(last, 75'000, 3'000);
     for (trip = 150'000; now < 16'000'000 && last > 0;) {
       ASSERT_LE(last, 76'000) << "still a queue";

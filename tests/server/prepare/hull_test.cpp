@@ -83,7 +83,8 @@ std::vector<glm::vec3> cloud(std::mt19937& random, int n, const glm::vec3& size,
   std::uniform_real_distribution<float> unit(-1, 1);
   std::vector<glm::vec3> out;
   for (int i = 0; i < n; ++i) {
-    out.push_back(offset + size * glm::vec3(unit(random), unit(random), unit(random)));
+    const float z = unit(random), y = unit(random), x = unit(random);  // the same with any compiler
+    out.push_back(offset + size * glm::vec3(x, y, z));
   }
   return out;
 }
