@@ -3,7 +3,7 @@ add_executable(mirage-bench
   bench/main.cpp bench/bench.cpp bench/selection_bench.cpp bench/tile_bench.cpp bench/store_bench.cpp
   bench/startup_bench.cpp bench/latency_bench.cpp bench/codec_bench.cpp bench/client_bench.cpp bench/price_bench.cpp bench/bench_client.cpp bench/gpu_bench.cpp
   bench/drawn_tiles.cpp bench/server_path.cpp)
-mirage_target(mirage-bench ALONE PCH wire)
+mirage_target(mirage-bench PCH wire)
 target_link_libraries(mirage-bench PRIVATE mirage_test_support mirage_test_rigs mirage_report_core mirage_server_core mirage_client_core
                       mirage_client_native mirage_load_clients mirage_client_host mirage_quality mirage_gltf mirage_cli nlohmann_json::nlohmann_json)
 add_dependencies(mirage-bench mirage-server mirage-load)

@@ -9,7 +9,7 @@ add_executable(mirage-extreme
   extreme/view_cases.cpp extreme/view_bound_cases.cpp
   extreme/lighting_cases.cpp extreme/light_pictures.cpp extreme/light_queue_case.cpp
   extreme/alpha_cases.cpp extreme/depth_cases.cpp)
-mirage_target(mirage-extreme TEST ALONE PCH wire)
+mirage_target(mirage-extreme TEST PCH wire)
 target_compile_definitions(mirage-extreme PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 target_link_libraries(mirage-extreme PRIVATE mirage_test_support mirage_test_rigs mirage_server_core mirage_client_core mirage_client_native
                       mirage_gltf mirage_quality mirage_cli nlohmann_json::nlohmann_json)

@@ -17,8 +17,8 @@
 namespace mirage::bench {
 namespace {
 
-constexpr double kFovY = 1.0471975511965976;  // 60 degrees
-constexpr std::int64_t kFrameUs = 16'667;
+constexpr double kPriceFovY = 1.0471975511965976;  // 60 degrees
+constexpr std::int64_t kPriceFrameUs = 16'667;
 constexpr int kDrawnEvery = 30;          // frames; others are only planned
 constexpr std::size_t kFirstFrames = 2;  // a running fit knows nothing before them
 
@@ -47,7 +47,7 @@ struct Frame {
 Camera camera_at(const BenchClient& client, const Pose& pose) {
   Camera camera;
   camera.pose = pose;
-  camera.fov_y = kFovY;
+  camera.fov_y = kPriceFovY;
   camera.width = static_cast<std::uint32_t>(client.target().width());
   camera.height = static_cast<std::uint32_t>(client.target().height());
   camera.fit_depth_range(client.scene().bounds_center, client.scene().bounds_radius);
@@ -81,7 +81,7 @@ Result<std::vector<Frame>> measure(const Walk& walk, int frames) {
   if (!four) return four.error();
   std::vector<Frame> out;
   for (int frame = 0; frame < frames; ++frame) {
-    client.host().virtual_clock()->advance_to_us(client.host().now_us() + kFrameUs);
+    client.host().virtual_clock()->advance_to_us(client.host().now_us() + kPriceFrameUs);
     (void)client.session().receive(client.host().now_us());
     const Camera camera = camera_at(client, path->at(frame / 60.0));
     const PlannedFrame planned = client.session().frame(camera, client.host().now_us());

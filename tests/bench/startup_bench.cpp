@@ -19,10 +19,10 @@
 namespace mirage::bench {
 namespace {
 
-using Time = std::chrono::steady_clock;
+using SteadyTime = std::chrono::steady_clock;
 
-double seconds_since(Time::time_point start) {
-  return std::chrono::duration<double>(Time::now() - start).count();
+double seconds_since(SteadyTime::time_point start) {
+  return std::chrono::duration<double>(SteadyTime::now() - start).count();
 }
 
 // ---- the first tile -----------------------------------------------------------------------------
@@ -53,7 +53,7 @@ class OneTileClient {
     batch.credit_bytes = 1u << 30;
     batch.asks = {wire::Ask(request_, instance, object, 1.0f, 0, distance.index, cell.x, cell.y,
                             cell.level, distance.level, size, channels, 0)};
-    const auto asked = Time::now();
+    const auto asked = SteadyTime::now();
     link_.send(encode_message(std::move(batch)));
     if (Result<void> came = wait_for(wire::Body::TileReply); !came) return came.error();
     return seconds_since(asked);
@@ -136,7 +136,7 @@ double cpu_seconds_of(int pid) {
 }
 
 Result<StartUp> start_up(const std::string& scene, const std::vector<std::string>& options) {
-  const auto began = Time::now();
+  const auto began = SteadyTime::now();
   const test::Server server(scene, options);
   const double seconds = seconds_since(began);
   if (!server.ready()) return make_error(ErrorId::kInternal, "no server: " + server.log());

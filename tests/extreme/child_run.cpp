@@ -50,7 +50,7 @@ Outcome failure(const std::string& what) { return {what, std::string("a result")
 
 void write_all(int file, const std::string& text) {
   for (std::size_t done = 0; done < text.size();) {
-    const ssize_t n = write(file, text.data() + done, text.size() - done);
+    const ssize_t n = ::write(file, text.data() + done, text.size() - done);
     if (n < 0 && errno != EINTR) return;
     if (n > 0) done += static_cast<std::size_t>(n);
   }

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kBeforeS = 8, kWorseS = 10, kAgainS = 5, kAfterS = 8;
 constexpr int kObjects = 150;
-constexpr double kEndlessTau = 0.001, kUsualTau = 1;
+constexpr double kTurnTau = 0.001, kUsualTau = 1;
 
 NetModel usual() {
   NetModel net;
@@ -36,7 +36,7 @@ struct Turn {
   double seconds = kWorseS;
 };
 
-Pose swaying(double t) { return eye_at({4 * std::sin(0.7 * t), 1, 9}, {0, 0, -30}); }
+Pose swaying_turn(double t) { return eye_at({4 * std::sin(0.7 * t), 1, 9}, {0, 0, -30}); }
 
 class Walk {
  public:
@@ -44,7 +44,7 @@ class Walk {
     rig_.camera.width = 1280;
     rig_.camera.height = 720;
   }
-  void run(double seconds) { list_ = rig_.run(seconds, swaying); }
+  void run(double seconds) { list_ = rig_.run(seconds, swaying_turn); }
   /// Runs for `seconds`. Returns the tiles that arrived a second.
   double tiles_a_second(double seconds) {
     const std::uint64_t before = rig_.session.tiles().received;
@@ -82,7 +82,7 @@ class Walk {
 
 // More is wanted than can arrive: compares the tiles that arrive.
 void goes_on(const Turn& turn, Checks& checks) {
-  Walk walk(kEndlessTau);
+  Walk walk(kTurnTau);
   walk.run(kBeforeS);
   const double before = walk.tiles_a_second(kAfterS);
   walk.worse(turn);

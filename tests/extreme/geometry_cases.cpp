@@ -18,7 +18,7 @@
 namespace mirage::extreme {
 namespace {
 
-constexpr int kSize = 96;
+constexpr int kGeometrySize = 96;
 
 /// Pictures of the same object: the truth and four ways to draw it.
 struct Pictures {
@@ -30,7 +30,7 @@ Result<Pictures> take_pictures(const std::string& file, const glm::dvec3& direct
   Result<std::unique_ptr<Studio>> studio = Studio::create(file);
   if (!studio) return studio.error();
   if ((*studio)->scene().instances.empty()) return make_error(ErrorId::kSceneEmpty, "left out");
-  Camera camera = (*studio)->camera(0, direction, 4, kSize);
+  Camera camera = (*studio)->camera(0, direction, 4, kGeometrySize);
   if (eye_grid != glm::dvec3(0)) {
     const glm::dvec3 center = (*studio)->scene().instances[0].center;
     camera.pose.eye = center + glm::round((camera.pose.eye - center) / eye_grid) * eye_grid;
@@ -110,7 +110,7 @@ Outcome zero_area(const Conditions& conditions) {
   if (!one || !two) return no_studio((one ? two : one).error());
   int differing = 0;
   for (int i = 0; i < 6; ++i) {
-    const Camera camera = (*one)->camera(0, random.direction(), 4, kSize);
+    const Camera camera = (*one)->camera(0, random.direction(), 4, kGeometrySize);
     const TileKey key = (*one)->key_for(camera, 0, i % 2 ? kRelitTile : kLitTile);
     const MadeTile a = (*one)->make_tile(key, 0), b = (*two)->make_tile(key, 0);
     differing += a.header.content_hash == b.header.content_hash &&
@@ -209,14 +209,14 @@ Outcome mirror(const Conditions& conditions) {
   double differing = 0, components = 0;
   for (const glm::dvec3& direction :
        {glm::dvec3(0, 0, 1), glm::dvec3(0, 0.6, 0.8), glm::dvec3(0, 0, -1)}) {
-    const Camera camera = (*plain)->camera(0, direction, 4, kSize);
+    const Camera camera = (*plain)->camera(0, direction, 4, kGeometrySize);
     Camera there = camera;
     const glm::dvec3 center = (*plain)->scene().instances[0].center;
     there.pose.eye.x = -camera.pose.eye.x;
     there.pose = look_at(there.pose.eye, {-center.x, center.y, center.z});
     there.near_m = camera.near_m;
     there.far_m = camera.far_m;
-    const Pixels image = (*other)->truth(there).rgba, back = mirrored(image, kSize);
+    const Pixels image = (*other)->truth(there).rgba, back = mirrored(image, kGeometrySize);
     const Pixels expected = (*plain)->truth(camera).rgba;
     from_data = std::max(from_data, largest_difference((*data)->truth(there).rgba, image));
     from_plain = std::max(from_plain, largest_difference(expected, back));

@@ -22,7 +22,7 @@ namespace mirage::extreme {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr int kSize = 96;
+constexpr int kFileSize = 96;
 using nlohmann::json;
 
 double seconds_now() {
@@ -61,7 +61,7 @@ Outcome singular(const Conditions& conditions) {
     int bad = 0, leaning = 0;
     std::size_t pixels = 0;
     for (std::uint32_t i = 0; i < (*studio)->scene().instances.size(); ++i) {
-      const Camera camera = (*studio)->camera(i, {0.3, 1, 0.2}, 4, kSize);
+      const Camera camera = (*studio)->camera(i, {0.3, 1, 0.2}, 4, kFileSize);
       bad += not_finite((*studio)->make_tile((*studio)->key_for(camera, i, kLitTile), i).header);
       pixels = covered((*studio)->truth(camera).rgba);
       for (const Vertex& v : (*studio)->prepared().scene.objects[0].mesh.vertices) {
@@ -91,7 +91,7 @@ Outcome no_normals(const Conditions& conditions) {
   for (std::size_t i = 0; i < std::min(va.size(), vb.size()); ++i) {
     off = std::max(off, double{glm::length(va[i].normal - vb[i].normal)});
   }
-  const Camera camera = (*a)->camera(0, {1, 0.8, 0.6}, 4, kSize);
+  const Camera camera = (*a)->camera(0, {1, 0.8, 0.6}, 4, kFileSize);
   Checks checks;
   checks.equal("vertices", static_cast<double>(vb.size()), static_cast<double>(va.size()));
   checks.at_most("normals off by", std::isfinite(off) ? off : 9, 1e-6);

@@ -14,9 +14,9 @@
 namespace mirage::extreme {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kVertexNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInf = std::numeric_limits<float>::infinity();
-constexpr int kSize = 96;
+constexpr int kVertexSize = 96;
 
 // G1: an object without any vertex, which no importer would accept, inside the sphere of a ball.
 // With and without a part that draws nothing, the ball's pictures and bounds are those without it.
@@ -25,7 +25,7 @@ Outcome empty_mesh(const Conditions& conditions) {
   if (!ball) return no_studio(ball.error());
   Result<std::unique_ptr<Studio>> alone = Studio::create(*ball);
   if (!alone) return no_studio(alone.error());
-  const Camera camera = (*alone)->camera(0, {0.5, 0.4, 1}, 4, kSize);
+  const Camera camera = (*alone)->camera(0, {0.5, 0.4, 1}, 4, kVertexSize);
   const Pixels truth = (*alone)->truth(camera).rgba, mesh = (*alone)->meshes(camera);
   const int draws = (*alone)->draw_calls();
   Checks checks;
@@ -76,7 +76,7 @@ Outcome one_point(const Conditions&) {
     checks.holds(name + "radius finite and above 0",
                  std::isfinite(told.radius) && told.radius > 0 &&
                      is_finite(glm::dvec3(told.center + told.box_min + told.box_max)));
-    Camera camera = (*studio)->camera(0, {0, 0, 1}, 4, kSize);
+    Camera camera = (*studio)->camera(0, {0, 0, 1}, 4, kVertexSize);
     const MadeTile made = (*studio)->make_tile((*studio)->key_for(camera, 0, kLitTile), 0);
     checks.equal(name + "header values not finite", not_finite(made.header), 0);
     checks.at_most(name + "px touched",
@@ -104,7 +104,7 @@ Outcome edge_on(const Conditions& conditions) {
   int tallest = 0, bad = 0;
   for (const double lean : {0.0, 1e-12, -1e-7, 1e-5, -1e-4, 1e-3}) {
     for (const glm::dvec3& side : {glm::dvec3(0, 0, 1), glm::dvec3(0.6, 0, 0.8)}) {
-      const Camera camera = (*studio)->camera(0, side + glm::dvec3(0, lean, 0), 4, kSize);
+      const Camera camera = (*studio)->camera(0, side + glm::dvec3(0, lean, 0), 4, kVertexSize);
       const MadeTile made = (*studio)->make_tile((*studio)->key_for(camera, 0, kLitTile), 0);
       bad += not_finite(made.header);
       // Rows with any opaque content, in texels.
@@ -115,10 +115,10 @@ Outcome edge_on(const Conditions& conditions) {
       tallest = std::max(tallest, static_cast<int>(std::count(rows.begin(), rows.end(), true)));
       const Pixels drawn = (*studio)->impostors(camera, DrawMethod::kDepth);
       int height = 0;
-      for (int y = 0; y < kSize; ++y) {
+      for (int y = 0; y < kVertexSize; ++y) {
         bool any = false;
-        for (int x = 0; x < kSize; ++x) {
-          any = any || drawn[static_cast<std::size_t>((y * kSize + x) * 4 + 3)] >= 128;
+        for (int x = 0; x < kVertexSize; ++x) {
+          any = any || drawn[static_cast<std::size_t>((y * kVertexSize + x) * 4 + 3)] >= 128;
         }
         height += any ? 1 : 0;
       }
@@ -151,7 +151,7 @@ Outcome one_bad_vertex(const Conditions& conditions) {
     low = glm::min(low, p);
     high = glm::max(high, p);
   }
-  shape.positions[a * 3 + 1] = kNan;
+  shape.positions[a * 3 + 1] = kVertexNan;
   shape.positions[b * 3] = -kInf;
   const Result<Scene> scene = import_gltf(write(document(shape), conditions.folder, "bad"));
   if (!scene) return no_studio(scene.error());

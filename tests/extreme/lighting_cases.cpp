@@ -20,9 +20,9 @@
 namespace mirage::extreme {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInf = std::numeric_limits<float>::infinity();
-constexpr int kSize = kLightPictureEdge;
+constexpr float kLightNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kLightInf = std::numeric_limits<float>::infinity();
+constexpr int kLitSize = kLightPictureEdge;
 using nlohmann::json;
 
 // L1
@@ -67,7 +67,7 @@ Outcome too_bright(const Conditions& conditions) {
   Result<std::unique_ptr<Studio>> glass = ball_studio(conditions, 0.3f, "BLEND");
   if (!glass) return no_studio(glass.error());
   (*glass)->set_light(only(0.1f, {sun(1e6f), point_light({1, 2, 3}, 1e38f)}));
-  const Camera camera = (*glass)->camera(0, {0.5, 0.4, 1}, 4, kSize);
+  const Camera camera = (*glass)->camera(0, {0.5, 0.4, 1}, 4, kLitSize);
   const Pixels truth = (*glass)->truth(camera).rgba;
   checks.at_least("blended px", static_cast<double>(covered(truth)), 1000);
   checks.equal("blended: components above alpha",
@@ -89,7 +89,7 @@ Outcome impossible(const Conditions& conditions) {
     Result<Message> back = decode_message(bytes.data(), bytes.size());
     decoded += back && from_wire(*back->body.AsSetLighting()->lighting).ok() ? 1 : 0;
   };
-  for (const float bad : {kNan, kInf, -kInf, -1.0f, -1e-30f}) {
+  for (const float bad : {kLightNan, kLightInf, -kLightInf, -1.0f, -1e-30f}) {
     for (int c = 0; c < 3; ++c) {
       Lighting light = only(0.1f, {sun(1), point_light({1, 2, 3}, 1)});
       light.ambient[c] = bad;
@@ -150,7 +150,7 @@ Scene points() {
 Outcome light_inside(const Conditions& conditions) {
   Result<std::unique_ptr<Studio>> studio = ball_studio(conditions);
   if (!studio) return no_studio(studio.error());
-  const Camera camera = (*studio)->camera(0, {0.5, 0.4, 1}, 4, kSize);
+  const Camera camera = (*studio)->camera(0, {0.5, 0.4, 1}, 4, kLitSize);
   const glm::dvec3 center = (*studio)->scene().instances[0].center;
   const glm::dvec3 vertex((*studio)->prepared().scene.objects[0].mesh.vertices[300].position);
   const Shots dark = shoot(**studio, only(0.1f, {}));
@@ -239,11 +239,11 @@ Outcome permuted(const Conditions& conditions) {
 /// Returns the linear radiance of the scene's first mesh, as the shaders write it to a float
 /// target.
 std::vector<float> radiance(Studio& studio, const Lighting& light) {
-  const Camera camera = studio.camera(0, {0.5, 0.4, 1}, 4, kSize);
+  const Camera camera = studio.camera(0, {0.5, 0.4, 1}, 4, kLitSize);
   studio.make_current();
-  gl::RenderTarget target(kSize, kSize, {GL_RGBA32F}, GL_DEPTH_COMPONENT32F);
+  gl::RenderTarget target(kLitSize, kLitSize, {GL_RGBA32F}, GL_DEPTH_COMPONENT32F);
   target.bind();
-  glViewport(0, 0, kSize, kSize);
+  glViewport(0, 0, kLitSize, kLitSize);
   glDisable(GL_SCISSOR_TEST);
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
@@ -253,8 +253,8 @@ std::vector<float> radiance(Studio& studio, const Lighting& light) {
   pass.draw(studio.gpu().meshes[0], studio.gpu().materials(), studio.gpu().images, &instance, 1,
             false);
   pass.end();
-  std::vector<float> out(kSize * kSize * 4);
-  glReadPixels(0, 0, kSize, kSize, GL_RGBA, GL_FLOAT, out.data());
+  std::vector<float> out(kLitSize * kLitSize * 4);
+  glReadPixels(0, 0, kLitSize, kLitSize, GL_RGBA, GL_FLOAT, out.data());
   return out;
 }
 
@@ -311,7 +311,7 @@ Outcome minus_zero(const Conditions& conditions) {
   const auto hash = [&](const Lighting& l) {
     return object_lighting(l, Similarity{}, object.center, object.radius).hash();
   };
-  const Camera camera = (*studio)->camera(0, {0.5, 0.4, 1}, 4, kSize);
+  const Camera camera = (*studio)->camera(0, {0.5, 0.4, 1}, 4, kLitSize);
   const auto take = [&](const Lighting& light) {
     (*studio)->set_light(light);
     const MadeTile made = (*studio)->make_tile((*studio)->key_for(camera, 0, kLitTile), 0);

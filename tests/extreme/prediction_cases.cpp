@@ -14,10 +14,10 @@ namespace mirage::extreme {
 using namespace test;
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
+constexpr double kTimeNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kTimeInf = std::numeric_limits<double>::infinity();
 constexpr double kMaxSpeed = 50;  // m/s
-constexpr std::int64_t kFrameUs = 16'667;
+constexpr std::int64_t kPredictedFrameUs = 16'667;
 constexpr double kDegrees = 57.29577951308232;
 
 Pose turned(const glm::dvec3& eye, double yaw, const glm::dvec3& axis = {0, 1, 0}) {
@@ -34,7 +34,7 @@ double angle(const glm::quat& a, const glm::quat& b) {
 double off_pose(const Pose& p) {
   const glm::dquat q(p.rotation);
   const double off = std::abs(glm::length(q) - 1);
-  return is_finite(p.eye) && std::isfinite(off) ? off : kInf;
+  return is_finite(p.eye) && std::isfinite(off) ? off : kTimeInf;
 }
 
 /// Walks for a second at `speed` along x while turning at `yaw_rate`. Returns the time of the last
@@ -42,7 +42,7 @@ double off_pose(const Pose& p) {
 std::int64_t walk(Predictor& predictor, double speed, double yaw_rate = 0) {
   std::int64_t t = 0;
   for (int i = 0; i < 60; ++i) {
-    t = i * kFrameUs;
+    t = i * kPredictedFrameUs;
     const double s = static_cast<double>(t) * 1e-6;
     predictor.add(t, turned({speed * s, 1.7, 0}, yaw_rate * s));
   }
@@ -97,9 +97,9 @@ Outcome long_pause(const Conditions&) {
   Predictor predictor(kMaxSpeed);
   const std::int64_t t = walk(predictor, 1.4);
   for (int i = 0; i < 30; ++i) {
-    predictor.add(t + 10'000'000 + i * kFrameUs, turned({0, 1.7, 0.02 * i}, 0));
+    predictor.add(t + 10'000'000 + i * kPredictedFrameUs, turned({0, 1.7, 0.02 * i}, 0));
   }
-  const double speed = 0.02 / (1e-6 * static_cast<double>(kFrameUs));
+  const double speed = 0.02 / (1e-6 * static_cast<double>(kPredictedFrameUs));
   Checks checks;
   checks.at_most("moved from the new sample, m or rad", moved, 1e-6);
   checks.at_most("speed half a second later, off by, m/s",
@@ -115,7 +115,7 @@ Outcome teleport(const Conditions& conditions) {
     Predictor predictor(kMaxSpeed);
     const std::int64_t t = walk(predictor, random.log_uniform(0.01, 40), random.uniform(-5, 5));
     const glm::dvec3 there = random.direction() * 1e6;
-    predictor.add(t + kFrameUs, turned(there, random.uniform(-3, 3)));
+    predictor.add(t + kPredictedFrameUs, turned(there, random.uniform(-3, 3)));
     for (const std::int64_t h : {1'000, 100'000, 1'000'000}) {
       past = std::max(past, glm::length(predictor.predict(h).eye - there));
     }
@@ -123,7 +123,7 @@ Outcome teleport(const Conditions& conditions) {
     glm::dvec3 eye = there;
     for (int k = 2; k < 12; ++k) {
       eye += random.direction() * 0.03;
-      predictor.add(t + k * kFrameUs, turned(eye, random.uniform(-3, 3)));
+      predictor.add(t + k * kPredictedFrameUs, turned(eye, random.uniform(-3, 3)));
       for (const std::int64_t h : {1'000, 100'000, 1'000'000}) {
         const Pose p = predictor.predict(h);
         const double most = kMaxSpeed * static_cast<double>(h) * 1e-6;
@@ -143,7 +143,7 @@ Outcome teleport(const Conditions& conditions) {
 Outcome no_rotation(const Conditions&) {
   int changed = 0;
   double off = 0, kept = 0;
-  const float nan = static_cast<float>(kNan), inf = static_cast<float>(kInf);
+  const float nan = static_cast<float>(kTimeNan), inf = static_cast<float>(kTimeInf);
   Predictor predictor(kMaxSpeed);
   const std::int64_t t = walk(predictor, 1.4, 0.5);
   const Pose before = predictor.predict(100'000);
@@ -159,11 +159,11 @@ Outcome no_rotation(const Conditions&) {
   }
   // The first sample is bad: the result is still a pose.
   Predictor fresh(kMaxSpeed);
-  fresh.add(0, {{kNan, 0, 0}, glm::quat(1, 0, 0, 0)});
+  fresh.add(0, {{kTimeNan, 0, 0}, glm::quat(1, 0, 0, 0)});
   fresh.add(1, {{1, 1, 1}, glm::quat(0, 0, 0, 0)});
   off = std::max(off, off_pose(fresh.predict(100'000)));
   // A rotation of any length is taken, as a unit one.
-  predictor.add(now += kFrameUs, {before.eye, glm::quat(3e3f, 0, 4e3f, 0)});
+  predictor.add(now += kPredictedFrameUs, {before.eye, glm::quat(3e3f, 0, 4e3f, 0)});
   kept = angle(predictor.predict(0).rotation, glm::quat(0.6f, 0, 0.8f, 0));
   off = std::max(off, off_pose(predictor.predict(100'000)));
   Checks checks;
@@ -182,11 +182,11 @@ Outcome signs(const Conditions& conditions) {
     const glm::dvec3 axis = random.direction();
     const double rate = random.uniform(0, 12);
     for (int i = 0; i < 60; ++i) {
-      const double s = 1e-6 * static_cast<double>(i * kFrameUs);
+      const double s = 1e-6 * static_cast<double>(i * kPredictedFrameUs);
       Pose pose = turned({1.4 * s, 0, 0}, rate * s, axis);
-      plain.add(i * kFrameUs, pose);
+      plain.add(i * kPredictedFrameUs, pose);
       if (random.uniform(0, 1) < 0.5) pose.rotation = -pose.rotation;
-      flipped.add(i * kFrameUs, pose);
+      flipped.add(i * kPredictedFrameUs, pose);
       const Pose a = plain.predict(200'000), b = flipped.predict(200'000);
       const bool same = a.eye == b.eye && (a.rotation == b.rotation || a.rotation == -b.rotation);
       differing += same ? 0 : 1;
@@ -205,7 +205,7 @@ Outcome half_turn(const Conditions& conditions) {
   const auto try_turn = [&](const glm::dvec3& axis, double turn) {
     Predictor predictor(kMaxSpeed);
     predictor.add(0, turned({0, 0, 0}, 0));
-    predictor.add(kFrameUs, turned({0, 0, 0}, turn, axis));
+    predictor.add(kPredictedFrameUs, turned({0, 0, 0}, turn, axis));
     for (const std::int64_t h : {1'000, 16'667, 500'000}) {
       const Pose p = predictor.predict(h);
       off = std::max(off, off_pose(p));
@@ -239,7 +239,7 @@ Outcome fast_turn(const Conditions&) {
     wrong = std::max(wrong, angle(p.rotation, turned({}, yaw).rotation) * kDegrees);
   }
   const Pose stopped = predictor.predict(0);
-  for (int i = 1; i <= 12; ++i) predictor.add(t + i * kFrameUs, stopped);
+  for (int i = 1; i <= 12; ++i) predictor.add(t + i * kPredictedFrameUs, stopped);
   const double after = angle(predictor.predict(200'000).rotation, stopped.rotation) * kDegrees;
   // An eye that only turns does not move, however it turns.
   const double moved = glm::length(predictor.predict(400'000).eye - stopped.eye);
@@ -282,7 +282,7 @@ Outcome still_hour(const Conditions& conditions) {
 // P9: the smoothing gain and the damped motion over sixteen decades of w dt.
 Outcome any_rate(const Conditions& conditions) {
   Random random(conditions.seed);
-  double least_step = kInf, out_of_range = 0, worst = 0, last = -1;
+  double least_step = kTimeInf, out_of_range = 0, worst = 0, last = -1;
   const int count = conditions.count(200'000);
   for (int i = 0; i <= count; ++i) {
     const double x = 1e-8 * std::pow(1e16, static_cast<double>(i) / count);

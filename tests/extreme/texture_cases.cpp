@@ -302,7 +302,7 @@ class Echo final : public Link {
 };
 
 // T5: the same tile twice: for two instances of one object, sent twice, and already held.
-Outcome twice(const Conditions&) {
+Outcome texels_twice(const Conditions&) {
   Checks checks;
   RigScene scene;
   scene.objects = 6;
@@ -348,7 +348,7 @@ std::vector<Case> texture_cases() {
        full_atlas},
       {"T3", "1e6 allocations and releases", "no overlap", allocations},
       {"T4", "solid magenta neighbours in the atlas", "0 magenta texels", neighbours},
-      {"T5", "the same tile twice", "0 bytes uploaded for the second", twice},
+      {"T5", "the same tile twice", "0 bytes uploaded for the second", texels_twice},
   };
 }
 

@@ -16,7 +16,7 @@
 namespace mirage::extreme {
 namespace {
 
-constexpr double kInf = std::numeric_limits<double>::infinity();
+constexpr double kBoundInf = std::numeric_limits<double>::infinity();
 
 int exit_of_view(const std::string& url, const std::vector<std::string>& options) {
   std::vector<std::string> command = {test::binary("mirage-view"), url, "--frames", "2"};
@@ -50,7 +50,7 @@ Outcome fields_of_view(const Conditions& conditions) {
     const std::string at = number_text(degrees) + " degrees: ";
     checks.at_least(at + "pixels compared", static_cast<double>(error.compared), 300);
     checks.at_most(at + "worst error, px",
-                   worst == error.errors_px.end() ? kInf : static_cast<double>(*worst), 0.5);
+                   worst == error.errors_px.end() ? kBoundInf : static_cast<double>(*worst), 0.5);
   }
   int refused = 0;
   for (const char* fov : {"179", "180", "0", "nan"}) {
@@ -202,7 +202,7 @@ Outcome sound(const Conditions& conditions) {
     const DrawnDepth drawn{
         dc * dc * std::abs(1 / zp - 1 / z), std::max(r, glm::length(q)), 0, 0, 0, 0};
     const double bound = position_bound_px(view, capture.geometry(), drawn);
-    if (!(bound < kInf)) continue;
+    if (!(bound < kBoundInf)) continue;
     ++finite;
     const double error = point_error_px(view.focal_px, p - view.eye, q - view.eye, view.forward,
                                         right, glm::cross(right, view.forward));

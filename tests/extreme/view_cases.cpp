@@ -15,8 +15,8 @@
 namespace mirage::extreme {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
+constexpr double kViewNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kViewInf = std::numeric_limits<double>::infinity();
 
 double off_orthonormal(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
   double most = 0;
@@ -25,7 +25,7 @@ double off_orthonormal(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec
       {most, std::abs(glm::dot(a, b)), std::abs(glm::dot(b, c)), std::abs(glm::dot(c, a))});
   // A frame of axes is right-handed with the third axis backwards; a mirrored one is wrong.
   const double side = glm::length(glm::cross(a, b) + c);
-  return is_finite(a + b + c) ? std::max(most, side) : kInf;
+  return is_finite(a + b + c) ? std::max(most, side) : kViewInf;
 }
 
 // V1: axes of camera and capture that look along +-up, and within 1e-7 of it.
@@ -54,13 +54,15 @@ Outcome along_up(const Conditions& conditions) {
 // asks for nothing and draws no impostor.
 Outcome no_direction(const Conditions&) {
   int accepted = 0, asks = 0, drawn = 0;
-  for (const glm::dvec3& v : {glm::dvec3(0), glm::dvec3(-0.0), glm::dvec3(kNan, 0, 1),
-                              glm::dvec3(0, kNan, 0), glm::dvec3(1, 1, kNan), glm::dvec3(kNan),
-                              glm::dvec3(kInf, 0, 0), glm::dvec3(0, -kInf, 1)}) {
+  for (const glm::dvec3& v :
+       {glm::dvec3(0), glm::dvec3(-0.0), glm::dvec3(kViewNan, 0, 1), glm::dvec3(0, kViewNan, 0),
+        glm::dvec3(1, 1, kViewNan), glm::dvec3(kViewNan), glm::dvec3(kViewInf, 0, 0),
+        glm::dvec3(0, -kViewInf, 1)}) {
     for (int level = 0; level <= limits::kMaxViewLevel; ++level) {
       accepted += view_cell_from_direction(v, level) ? 1 : 0;
     }
-    accepted += distance_bucket_from_radii(glm::length(v) > 0 ? kNan : glm::length(v), 4) ? 1 : 0;
+    accepted +=
+        distance_bucket_from_radii(glm::length(v) > 0 ? kViewNan : glm::length(v), 4) ? 1 : 0;
     test::SelectorWorld world(test::make_scene({{{0, 0, 0}}}));
     world.camera.pose.eye = v;
     asks += static_cast<int>(world.selector.needs(world.input()).size());
@@ -102,7 +104,7 @@ Outcome any_length(const Conditions& conditions) {
 Outcome opposite(const Conditions& conditions) {
   Random random(conditions.seed);
   int infinite = 0, fresh = 0;
-  double least = kInf;
+  double least = kViewInf;
   const int count = conditions.count(20'000);
   for (int i = 0; i < count; ++i) {
     test::SelectorWorld world(test::make_scene({{{0, 0, 0}}}));

@@ -52,7 +52,7 @@ bool refused(const Result<T>& result) {
 
 // R1: every length word of packets, chunks, compressed blocks and geometry, with every power of
 // two.
-Outcome any_length(const Conditions& conditions) {
+Outcome any_wire_length(const Conditions& conditions) {
   int accepted = 0, tried = 0;
   const std::size_t before = peak_bytes();
   for (const Bytes& whole : test::sample_messages()) {
@@ -310,7 +310,8 @@ Outcome golden_bytes(const Conditions& conditions) {
 
 std::vector<Case> wire_cases() {
   return {
-      {"R1", "lengths 0 to 2^63 in every length field", "refused before allocation", any_length},
+      {"R1", "lengths 0 to 2^63 in every length field", "refused before allocation",
+       any_wire_length},
       {"R2", "messages, tiles, geometry and images cut at every byte", "refused", cuts},
       {"R3", "1e6 bit flips", "no crash, nothing not finite, memory bounded", flips},
       {"R4", "unknown protocol versions", "refused, and named as such", versions},

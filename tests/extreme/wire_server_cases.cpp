@@ -26,8 +26,8 @@ using test::frame_head;
 using test::RawPeer;
 using test::upgrade;
 
-constexpr const char* kScene = "builtin:knot?tubular=32&radial=12";
-constexpr double kMegabyte = 1024.0 * 1024.0;
+constexpr const char* kServedScene = "builtin:knot?tubular=32&radial=12";
+constexpr double kServerMegabyte = 1024.0 * 1024.0;
 
 std::string text_of(const Bytes& bytes) { return {bytes.begin(), bytes.end()}; }
 
@@ -113,7 +113,7 @@ struct Dribbler {
 Outcome slow_loris(const Conditions& conditions) {
   // Usual times are measured on a server that is left in peace, by turns, because the machine's
   // load drifts.
-  const test::Server server(kScene), in_peace(kScene);
+  const test::Server server(kServedScene), in_peace(kServedScene);
   Checks checks;
   for (const test::Server* each : {&server, &in_peace}) {
     if (!each->ready()) {
@@ -156,7 +156,7 @@ Outcome slow_loris(const Conditions& conditions) {
   for (auto* list : {&handshakes, &silent}) {
     for (Dribbler& d : *list) held += d.peer && !d.peer->closed() ? 1 : 0;
   }
-  const double grown = static_cast<double>(peak_bytes_of(server.pid()) - before) / kMegabyte;
+  const double grown = static_cast<double>(peak_bytes_of(server.pid()) - before) / kServerMegabyte;
   checks.equal("clients not served beside them", unserved, 0);
   checks.at_most("time to the first tile, times the usual", worst_ms / usual_ms, 10);
   checks.equal("ungreeted connections held for good", held, 0);
@@ -168,7 +168,7 @@ Outcome slow_loris(const Conditions& conditions) {
 
 void websocket_lengths(Checks& checks) {
   // A thread's first arena takes 128 MB of addresses, whenever that thread first has work.
-  const test::Server server(kScene, {}, {"MALLOC_ARENA_MAX=1"});
+  const test::Server server(kServedScene, {}, {"MALLOC_ARENA_MAX=1"});
   if (!server.ready()) return checks.failed("no server: " + server.log());
   first_tile_ms(server.port());
   const std::size_t before = peak_bytes_of(server.pid());
@@ -194,7 +194,7 @@ void websocket_lengths(Checks& checks) {
     for (const auto& peer : peers) kept += peer->closed() ? 0 : 1;
     if (kept == 0) break;
   }
-  const double grown = static_cast<double>(peak_bytes_of(server.pid()) - before) / kMegabyte;
+  const double grown = static_cast<double>(peak_bytes_of(server.pid()) - before) / kServerMegabyte;
   checks.equal("WebSocket lengths tried", tried, 7);
   checks.equal("connections kept", kept, 0);
   checks.at_most("server memory grown by, MB", grown, 8);
@@ -202,7 +202,7 @@ void websocket_lengths(Checks& checks) {
 }
 
 void versions_to_server(Checks& checks) {
-  const test::Server server(kScene);
+  const test::Server server(kServedScene);
   if (!server.ready()) return checks.failed("no server: " + server.log());
   const int expected = close_code(ErrorId::kWireVersion);
   int wrong = 0;

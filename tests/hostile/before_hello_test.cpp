@@ -18,10 +18,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr const char* kScene = "builtin:knot?tubular=60&radial=12";
 
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
 /// Returns a piece of a transfer of 1 MiB, which a client may have under way.
 std::string chunk(std::uint32_t transfer, std::uint32_t offset, std::size_t bytes) {
   Bytes out(kWireHeaderBytes + kChunkPrefixBytes + bytes);

@@ -14,13 +14,13 @@ namespace mirage::test {
 namespace {
 
 constexpr int kWarmTiles = 10, kAloneTiles = 60;
-constexpr double kMegabyte = 1024.0;  // in kB, the kernel's unit
+constexpr double kMegabyteInKb = 1024.0;  // in kB, the kernel's unit
 
 double status_mb(int pid, const std::string& name) {
   std::ifstream file("/proc/" + std::to_string(pid) + "/status");
   for (std::string word; file >> word;) {
     double kilobytes = 0;
-    if (word == name && file >> kilobytes) return kilobytes / kMegabyte;
+    if (word == name && file >> kilobytes) return kilobytes / kMegabyteInKb;
   }
   return 0;
 }

@@ -2,6 +2,7 @@
 // Hostile client: a client that speaks the protocol over a raw socket; the test decides what it
 // sends.
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -14,6 +15,10 @@
 namespace mirage::test {
 
 inline std::string text_of(const Bytes& bytes) { return {bytes.begin(), bytes.end()}; }
+
+inline double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
 
 wire::HelloT hello(const std::string& token = "");
 

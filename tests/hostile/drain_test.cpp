@@ -15,11 +15,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr const char* kScene = "builtin:knot?tubular=60&radial=12";
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
+constexpr const char* kDrainedScene = "builtin:knot?tubular=60&radial=12";
 
 /// Returns the status line of GET /readyz; empty: nobody answers.
 std::string ready_status(int port) {
@@ -31,7 +27,7 @@ std::string ready_status(int port) {
 
 // Row 11: 31 of 60 used to be dropped.
 TEST(Drain, WhatWasAskedForIsServed) {
-  Server server(kScene, {"--no-view"});
+  Server server(kDrainedScene, {"--no-view"});
   ASSERT_TRUE(server.ready()) << server.log();
   EXPECT_EQ(ready_status(server.port()), "HTTP/1.1 200 OK");
   Client client(server.port());
@@ -80,7 +76,7 @@ End end_of(Server& server) {
 }
 
 TEST(Drain, NoLongerThanItIsTold) {
-  Server server(kScene, {"--no-view", "--drain-s", "1"});
+  Server server(kDrainedScene, {"--no-view", "--drain-s", "1"});
   ASSERT_TRUE(server.ready()) << server.log();
   Client client(server.port());
   std::vector<wire::Ask> asks;
@@ -113,7 +109,7 @@ TEST(Drain, WhoDoesNotReadHoldsUpNothingLonger) {
 }
 
 TEST(Drain, AnIdleServerEndsAtOnce) {
-  Server server(kScene, {"--no-view"});
+  Server server(kDrainedScene, {"--no-view"});
   ASSERT_TRUE(server.ready()) << server.log();
   Client client(server.port());
   ASSERT_TRUE(client.greeted());

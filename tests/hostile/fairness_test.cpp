@@ -16,7 +16,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr const char* kScene = "builtin:knot?tubular=60&radial=12";
+constexpr const char* kFairScene = "builtin:knot?tubular=60&radial=12";
 
 std::int64_t ms_since(Clock::time_point start) {
   return std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - start).count();
@@ -36,7 +36,7 @@ void expect_little_wait(const Cost& cost) {
 
 // Row 9.
 TEST(Fairness, OneWhoAsksForTheLargestTilesHoldsUpNobody) {
-  const Server server(kScene, {"--no-view"});
+  const Server server(kFairScene, {"--no-view"});
   ASSERT_TRUE(server.ready()) << server.log();
   constexpr int kSeconds = 7;
   int large = 0;
@@ -84,7 +84,7 @@ FullRender ask_for_two(Client& client) {
 
 // Row 1.
 TEST(Fairness, FullRendersComeOneAClientBetweenTiles) {
-  const Server server(kScene, {"--no-view"});
+  const Server server(kFairScene, {"--no-view"});
   ASSERT_TRUE(server.ready()) << server.log();
   FullRender second;
   int renders = 0;
@@ -115,7 +115,7 @@ TEST(Fairness, FullRendersComeOneAClientBetweenTiles) {
 }
 
 TEST(Fairness, ASecondFullRenderOfAClientIsRefused) {
-  const Server server(kScene, {"--no-view"});
+  const Server server(kFairScene, {"--no-view"});
   ASSERT_TRUE(server.ready()) << server.log();
   Client client(server.port());
   wire::RequestBatchT batch;  // takes a while to draw, so both requests wait behind it
@@ -140,7 +140,7 @@ TEST(Fairness, FullRendersAreForThisMachinesOwnUnlessSaidOtherwise) {
   for (const Case& c : cases) {
     std::vector<std::string> options = c.options;
     options.push_back("--no-view");
-    const Server server(kScene, options);
+    const Server server(kFairScene, options);
     ASSERT_TRUE(server.ready()) << server.log();
     Client client(server.port());
     const FullRender got = ask_for_two(client);
@@ -153,7 +153,7 @@ TEST(Fairness, FullRendersAreForThisMachinesOwnUnlessSaidOtherwise) {
 // Row 21: more asks than can be drawn within the deadline. Every ask is answered by then, most with
 // a refusal that leaves time to ask for something else.
 TEST(Fairness, WhatWouldBeLateIsRefusedAtOnce) {
-  const Server server(kScene, {"--no-view"});
+  const Server server(kFairScene, {"--no-view"});
   ASSERT_TRUE(server.ready()) << server.log();
   constexpr int kDeadlineMs = 500, kAsks = 1000;
   std::map<std::string, int> answers;

@@ -22,7 +22,7 @@ std::string stats_request(std::size_t bytes = 0) {
   return text_of(encode_message(wire::StatsRequestT{}, Bytes(bytes > bare ? bytes - bare : 0)));
 }
 
-ClientFrame binary(const std::string& payload) { return {2, payload}; }
+ClientFrame binary_frame(const std::string& payload) { return {2, payload}; }
 ClientFrame of(int opcode, const std::string& payload = "") { return {opcode, payload}; }
 ClientFrame unfinished(ClientFrame frame) {
   frame.final = false;
@@ -129,7 +129,8 @@ Cases control_cases() {
   for (int i = 0; i < 10; ++i) pings += of(9, std::string(i, 'x')).bytes();
   out.push_back(told("ten pings at once", pings, "pong 0, open",
                      "libwebsockets answers the first of those that wait, not the last"));
-  out.push_back(told("ping and request", of(9, "abc").bytes() + binary(stats_request()).bytes(),
+  out.push_back(told("ping and request",
+                     of(9, "abc").bytes() + binary_frame(stats_request()).bytes(),
                      "pong 3, stats, open"));
   return out;
 }
@@ -169,7 +170,7 @@ Cases close_cases() {
   add("a reason of no UTF-8: cut off", close_body(1000, "a\xe1\xbd"), "closed 1000",
       "libwebsockets does not look for the end of the last character");
   const std::string close = of(8, close_body(1000)).bytes();
-  const std::string request = binary(stats_request()).bytes();
+  const std::string request = binary_frame(stats_request()).bytes();
   out.push_back(told("a request after the close", close + request, "closed 1000"));
   out.push_back(told("a request before the close", request + close, "closed 1000"));
   out.push_back(told("a ping after the close", close + of(9, "late").bytes(), "closed 1000"));
@@ -182,20 +183,20 @@ Cases length_cases() {
   for (const std::size_t n :
        {100,  124,  125,   126,   127,   128,   129,   255,    256,    1000,
         4095, 4096, 16384, 65534, 65535, 65536, 65537, 131072, 262143, 262144}) {
-    out.push_back(
-        told("request of " + std::to_string(n), binary(stats_request(n)).bytes(), "stats, open"));
+    out.push_back(told("request of " + std::to_string(n), binary_frame(stats_request(n)).bytes(),
+                       "stats, open"));
   }
   for (const std::size_t n : {262145, 300'000}) {
-    out.push_back(told("message of " + std::to_string(n), binary(std::string(n, 'x')).bytes(),
+    out.push_back(told("message of " + std::to_string(n), binary_frame(std::string(n, 'x')).bytes(),
                        "closed 1009"));
   }
   for (const std::size_t n : {0, 1, 15, 16, 17, 125, 126, 65535, 65536, 262144}) {
-    out.push_back(told("nonsense of " + std::to_string(n), binary(std::string(n, 'x')).bytes(),
-                       kProtocolError));
+    out.push_back(told("nonsense of " + std::to_string(n),
+                       binary_frame(std::string(n, 'x')).bytes(), kProtocolError));
   }
   const auto declares = [&](const std::string& name, std::uint64_t length,
                             const std::string& then) {
-    ClientFrame frame = binary("abc");
+    ClientFrame frame = binary_frame("abc");
     frame.declared = length;
     out.push_back({"declares " + name, {frame.bytes()}, then, "", false});
   };
@@ -211,16 +212,16 @@ Cases length_cases() {
     for (const int bytes : {3, 9}) {
       if (bytes == 3 && n > 125) continue;
       out.push_back(told("length " + std::to_string(n) + " in " + std::to_string(bytes) + " bytes",
-                         told_in(binary(stats_request(n)), bytes).bytes(), "stats, open",
+                         told_in(binary_frame(stats_request(n)), bytes).bytes(), "stats, open",
                          kAnyLength));
     }
   }
   for (const std::size_t n : {100, 126, 65536}) {
-    out.push_back(told("unmasked, " + std::to_string(n), unmasked(binary(stats_request(n))).bytes(),
-                       "stats, open", kUnmasked));
+    out.push_back(told("unmasked, " + std::to_string(n),
+                       unmasked(binary_frame(stats_request(n))).bytes(), "stats, open", kUnmasked));
   }
   for (const std::uint32_t mask : {0u, 0xffffffffu, 1u, 0x80000000u}) {
-    ClientFrame frame = binary(stats_request());
+    ClientFrame frame = binary_frame(stats_request());
     frame.mask = mask;
     out.push_back(told("mask " + std::to_string(mask), frame.bytes(), "stats, open"));
   }
@@ -239,7 +240,7 @@ Cases fragment_cases() {
     add("200 KB in " + std::to_string(parts), in_fragments(large, parts), "stats, open");
   }
   const std::string a = request.substr(0, 20), b = request.substr(20);
-  const auto first = [](const std::string& s) { return unfinished(binary(s)); };
+  const auto first = [](const std::string& s) { return unfinished(binary_frame(s)); };
   const auto middle = [](const std::string& s) { return unfinished(of(0, s)); };
   const auto last = [](const std::string& s) { return of(0, s); };
   add("first empty", {first(""), last(request)}, "stats, open");
@@ -250,12 +251,12 @@ Cases fragment_cases() {
   add("pong between", {first(a), of(10, "abc"), last(b)}, "stats, open");
   add("close between", {first(a), of(8, close_body(1000)), last(b)}, "closed 1000");
   add("text begun between", {first(a), of(1, "x"), last(b)}, kProtocolError);
-  add("another message between", {first(a), binary(request), last(b)}, kProtocolError);
+  add("another message between", {first(a), binary_frame(request), last(b)}, kProtocolError);
   add("another begun between", {first(a), first(a), last(b)}, kProtocolError);
   add("nothing to continue", {last(request)}, kProtocolError);
   add("nothing to continue, unfinished", {middle(request)}, kProtocolError);
   add("nothing to continue any more", {first(a), last(b), last(b)}, kProtocolError);
-  add("continued after a whole message", {binary(request), last(b)}, kProtocolError);
+  add("continued after a whole message", {binary_frame(request), last(b)}, kProtocolError);
   add("never finished", {first(a)}, "open");
   add("text in two", {unfinished(of(1, "he")), last("llo")}, kProtocolError);
   add("reserved bit in the second", {first(a), with_reserved(last(b), 4)}, kProtocolError);
@@ -272,9 +273,9 @@ Cases fragment_cases() {
 
 Cases chopped_cases() {
   Cases out;
-  const std::string small = binary(stats_request()).bytes();
-  const std::string more = binary(stats_request(126)).bytes();
-  const std::string large = binary(stats_request(65'536)).bytes();
+  const std::string small = binary_frame(stats_request()).bytes();
+  const std::string more = binary_frame(stats_request(126)).bytes();
+  const std::string large = binary_frame(stats_request(65'536)).bytes();
   const std::string fragments = joined(in_fragments(stats_request(), 3));
   for (const std::size_t n : {1, 2, 3, 7, 16}) {
     const std::string by = " by " + std::to_string(n);
@@ -307,7 +308,7 @@ Cases message_cases() {
   const auto add = [&](const std::string& name, std::size_t at, int byte, const std::string& then) {
     std::string changed = request;
     changed[at] = static_cast<char>(byte);
-    out.push_back(told(name, binary(changed).bytes(), then));
+    out.push_back(told(name, binary_frame(changed).bytes(), then));
   };
   add("magic", 0, 0, kProtocolError);
   add("magic's second byte", 1, 0, kProtocolError);
@@ -324,12 +325,12 @@ Cases message_cases() {
     add("reserved byte " + std::to_string(at), at, 1, kProtocolError);
   }
   for (const std::size_t n : {1, 2, 4, 8, 16, 20, 30}) {
-    out.push_back(
-        told("cut to " + std::to_string(n), binary(request.substr(0, n)).bytes(), kProtocolError));
+    out.push_back(told("cut to " + std::to_string(n), binary_frame(request.substr(0, n)).bytes(),
+                       kProtocolError));
   }
-  out.push_back(told("a byte more", binary(request + "x").bytes(), kProtocolError));
+  out.push_back(told("a byte more", binary_frame(request + "x").bytes(), kProtocolError));
   const auto message = [&](const std::string& name, const Bytes& bytes) {
-    out.push_back(told(name, binary(text_of(bytes)).bytes(), kProtocolError));
+    out.push_back(told(name, binary_frame(text_of(bytes)).bytes(), kProtocolError));
   };
   message("a second hello", encode_message(hello()));
   message("a server's message", encode_message(wire::StatsT{}));

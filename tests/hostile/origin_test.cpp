@@ -9,7 +9,7 @@
 namespace mirage::test {
 namespace {
 
-struct Case {
+struct OriginCase {
   std::string name;
   Upgrade request;
   bool open;
@@ -33,9 +33,9 @@ Upgrade with_more(const std::string& more) {
   return out;
 }
 
-std::vector<Case> common_cases() {
+std::vector<OriginCase> common_cases() {
   const std::string own = "http://mirage.example:9870";
-  std::vector<Case> out = {
+  std::vector<OriginCase> out = {
       {"none", Upgrade{}, true},
       {"own", from(own), true},
       {"own in capitals", from("HTTP://Mirage.Example:9870"), true},
@@ -89,8 +89,8 @@ std::vector<Case> common_cases() {
   return out;
 }
 
-void expect_cases(const Server& server, const std::vector<Case>& cases) {
-  for (const Case& c : cases) {
+void expect_origin_cases(const Server& server, const std::vector<OriginCase>& cases) {
+  for (const OriginCase& c : cases) {
     const WebSocket peer(server.port(), {}, c.request);
     EXPECT_EQ(peer.open(), c.open) << c.name;
   }
@@ -99,8 +99,8 @@ void expect_cases(const Server& server, const std::vector<Case>& cases) {
 TEST(Origin, IsTheServersOwnOrNone) {
   const Server server("builtin:knot?tubular=60&radial=12", {"--no-view"});
   ASSERT_TRUE(server.ready()) << server.log();
-  expect_cases(server, common_cases());
-  expect_cases(server, {{"not allowed", from("https://viewer.example"), false}});
+  expect_origin_cases(server, common_cases());
+  expect_origin_cases(server, {{"not allowed", from("https://viewer.example"), false}});
 }
 
 TEST(Origin, IsAlsoTheOneThatIsAllowed) {
@@ -108,12 +108,13 @@ TEST(Origin, IsAlsoTheOneThatIsAllowed) {
                       {"--no-view", "--allow-origin", "https://viewer.example", "--allow-origin",
                        "https://second.example:8443"});
   ASSERT_TRUE(server.ready()) << server.log();
-  expect_cases(server, common_cases());
-  expect_cases(server, {{"allowed", from("https://viewer.example"), true},
-                        {"the second", from("https://second.example:8443"), true},
-                        {"its name in http", from("http://viewer.example"), false},
-                        {"allowed and more", from("https://viewer.example.evil.example"), false},
-                        {"allowed, a port", from("https://viewer.example:443"), false}});
+  expect_origin_cases(server, common_cases());
+  expect_origin_cases(server,
+                      {{"allowed", from("https://viewer.example"), true},
+                       {"the second", from("https://second.example:8443"), true},
+                       {"its name in http", from("http://viewer.example"), false},
+                       {"allowed and more", from("https://viewer.example.evil.example"), false},
+                       {"allowed, a port", from("https://viewer.example:443"), false}});
 }
 
 Upgrade forwarded(const std::string& headers, const std::string& origin) {
@@ -128,7 +129,7 @@ TEST(Origin, IsWhatTheBrowserCalledIfAProxyOfThisMachineSaysSo) {
   const std::string tells = "X-Forwarded-Host: viewer.example\r\nX-Forwarded-Proto: https\r\n";
   const Server server("builtin:knot?tubular=60&radial=12", {"--no-view"});
   ASSERT_TRUE(server.ready()) << server.log();
-  expect_cases(
+  expect_origin_cases(
       server,
       {{"told", forwarded(tells, page), true},
        {"told by the standard",
@@ -138,7 +139,7 @@ TEST(Origin, IsWhatTheBrowserCalledIfAProxyOfThisMachineSaysSo) {
        {"told of http", forwarded("X-Forwarded-Host: viewer.example\r\n", page), false}});
   const Server careful("builtin:knot?tubular=60&radial=12", {"--no-view", "--trust-proxy", "none"});
   ASSERT_TRUE(careful.ready()) << careful.log();
-  expect_cases(careful, {{"told, and not believed", forwarded(tells, page), false}});
+  expect_origin_cases(careful, {{"told, and not believed", forwarded(tells, page), false}});
 }
 
 TEST(Origin, ARefusedPageIsToldAndLogged) {

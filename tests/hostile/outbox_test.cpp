@@ -18,7 +18,7 @@ constexpr const char* kKnot = "builtin:knot?tubular=60&radial=12";
 /// A knot whose mesh is 200 KB.
 constexpr const char* kLargeKnot = "builtin:knot?tubular=400&radial=64";
 constexpr double kOutboxMb = 16;
-constexpr PeerFrom kReadsLittle{"127.0.0.1", 4096};
+const PeerFrom kReadsLittle{"127.0.0.1", 4096};
 /// Memory that an allocator and a WebSocket's own buffers keep, whatever a client does.
 constexpr double kSpareMb = 24;
 
