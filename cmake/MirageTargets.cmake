@@ -1,14 +1,13 @@
 # Gives every target the same warnings, standard and sanitizers, without global flags.
 
-# mirage_target(NAME [PORTABLE] [SMALL] [COLD] [TEST] [ALONE] [PCH base|wire|none])
+# mirage_target(NAME [PORTABLE] [SMALL] [COLD] [TEST] [PCH base|wire|none])
 #   PORTABLE   keeps to C++17, for code that also builds for a browser
 #   SMALL      in a browser, its bytes count more than its speed
 #   COLD       runs seldom, so its bytes count more than its speed everywhere; it has no precompiled header
 #   TEST       optimises little, because compiling tests takes longer than running them
-#   ALONE      compiles no files in batches, because names in them clash
 #   PCH        names the precompiled header of cmake/pch (default: tests for TEST, else base)
 function(mirage_target name)
-  cmake_parse_arguments(ARG "PORTABLE;SMALL;COLD;TEST;ALONE" "PCH" "" ${ARGN})
+  cmake_parse_arguments(ARG "PORTABLE;SMALL;COLD;TEST" "PCH" "" ${ARGN})
   if(ARG_PORTABLE)
     target_compile_features(${name} PUBLIC cxx_std_17)
     set_target_properties(${name} PROPERTIES CXX_STANDARD 17)
@@ -67,7 +66,7 @@ function(mirage_target name)
   endif()
   # A batch reads headers and instantiates templates once for its files. Shipped code is compiled file by file, unless
   # sanitizers make that slow, or MIRAGE_ALL_BATCHES is on.
-  if(MIRAGE_BATCHES AND NOT ARG_ALONE AND (ARG_TEST OR MIRAGE_SANITIZE OR MIRAGE_ALL_BATCHES))
+  if(MIRAGE_BATCHES AND (ARG_TEST OR MIRAGE_SANITIZE OR MIRAGE_ALL_BATCHES))
     # The files of one folder are a batch, so a new file never brings other files together.
     set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
     get_target_property(sources ${name} SOURCES)
