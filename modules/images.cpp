@@ -74,16 +74,18 @@ class OiioReader final : public ImageReader {
   Result<void> read(int begin, int end, int channels, OIIO::TypeDesc type, void* out) {
     return guarded([&]() -> Result<void> {
       const int first = y_ + begin, last = y_ + end;
+      const OIIO::ImageSpec& spec = input_->spec();
+      if (shape_.tile_width > 0) {
+        const bool read = input_->read_tiles(0, 0, x_, x_ + shape_.width, first, last, 0, 1, 0,
+                                             channels, type, out);
+        return read ? Result<void>{} : failed(input_->geterror());
+      }
       // OpenImageIO converts in a buffer of 16 MB, even for two pixels. Pixels that need no
       // conversion go straight to `out`.
-      const OIIO::ImageSpec& spec = input_->spec();
-      if (channels == spec.nchannels && spec.format == type && spec.channelformats.empty()) {
-        type = OIIO::TypeDesc::UNKNOWN;
-      }
-      const bool read = shape_.tile_width > 0
-                            ? input_->read_tiles(0, 0, x_, x_ + shape_.width, first, last, 0, 1, 0,
-                                                 channels, type, out)
-                            : input_->read_scanlines(0, 0, first, last, 0, 0, channels, type, out);
+      const bool as_is =
+          channels == spec.nchannels && spec.format == type && spec.channelformats.empty();
+      const bool read = input_->read_scanlines(0, 0, first, last, 0, 0, channels,
+                                               as_is ? OIIO::TypeDesc::UNKNOWN : type, out);
       if (!read) return failed(input_->geterror());
       return {};
     });
