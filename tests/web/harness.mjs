@@ -3,7 +3,7 @@
 // Chromium without windows, which starts sooner, else Chromium), WEB_ANGLE (what draws. gl-egl: the system's own OpenGL, as for
 // the native programs; swiftshader: what browsers have where no card is, a third slower).
 import { spawn } from 'node:child_process';
-import { existsSync, mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
+import { existsSync, mkdtempSync, readFileSync, statSync, writeFileSync } from 'node:fs';
 import http from 'node:http';
 import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
@@ -75,7 +75,7 @@ export async function hostSite(files = {}, headers = {}) {
   const server = http.createServer((request, response) => {
     const path = new URL(request.url, 'http://x').pathname;
     const file = find(path);
-    const body = texts.get(path) ?? (file && existsSync(file) ? readFileSync(file) : null);
+    const body = texts.get(path) ?? (file && statSync(file, { throwIfNoEntry: false })?.isFile() ? readFileSync(file) : null);
     if (body === null) { response.writeHead(404).end(); return; }
     response.writeHead(200, { 'Content-Type': mediaTypes[path.split('.').pop()] ?? 'application/octet-stream', ...headers }).end(body);
   });
