@@ -22,6 +22,7 @@ constexpr double kOneSurfaceCodes = 12;  // relief.glsl: 2 kWall
 
 struct Shown {
   const DrawnImpostor* impostor = nullptr;
+  std::vector<Plane> proxy;  // of a cuboid or hull
   bool mesh = false;
   std::uint64_t pixels = 0;
   double worst_px = 0;
@@ -50,10 +51,16 @@ double relief_depth(const TileRecord& tile, const glm::dvec2& texel, std::uint8_
   return d.near_depth * d.far_depth / (d.far_depth - u * (d.far_depth - d.near_depth));
 }
 
+std::vector<Plane> proxy_of(const DrawnImpostor& drawn, const ObjectDescription& object) {
+  if (drawn.method == DrawMethod::kCuboid) return box_planes(object.box_min, object.box_max);
+  return drawn.method == DrawMethod::kHull ? object.hull.planes() : std::vector<Plane>{};
+}
+
 // Returns the capture depth at which the tile's method draws the ray through p; 0 if it draws
 // nothing.
-double drawn_capture_depth(const DrawnImpostor& drawn, const ObjectDescription& object,
-                           const glm::dvec3& p, double stored) {
+double drawn_capture_depth(const Shown& shown, const ObjectDescription& object, const glm::dvec3& p,
+                           double stored) {
+  const DrawnImpostor& drawn = *shown.impostor;
   const TileRecord& tile = *drawn.tile;
   const Capture& capture = tile.capture;
   const glm::dvec3 eye = capture.eye();
@@ -62,9 +69,8 @@ double drawn_capture_depth(const DrawnImpostor& drawn, const ObjectDescription& 
   const glm::dvec3 origin = glm::dvec3(object.center) + eye;
   switch (drawn.method) {
     case DrawMethod::kCuboid:
-      return ray_entry(box_planes(object.box_min, object.box_max), origin, direction);
     case DrawMethod::kHull:
-      return ray_entry(object.hull.planes(), origin, direction);
+      return ray_entry(shown.proxy, origin, direction);
     case DrawMethod::kDepth:
       return stored;
     case DrawMethod::kWarp: {
@@ -117,9 +123,10 @@ bool beyond_depth_range(const DrawnImpostor& drawn, double z, double travel) {
 // that it was within the distance that the clip can move it. Of all surface points that the tile
 // saw within that distance, this takes the one drawn nearest. The true error is no less, so an
 // error beyond the bound here really exceeds it.
-PixelError moving_error(const DrawnImpostor& drawn, const InstanceView& view,
+PixelError moving_error(const Shown& shown, const InstanceView& view,
                         const ObjectDescription& object, const Camera& camera,
                         const glm::dvec3& relative, double time_s) {
+  const DrawnImpostor& drawn = *shown.impostor;
   const TileRecord& tile = *drawn.tile;
   const Capture& capture = tile.capture;
   const TilePoint at(drawn, view, camera, relative);
@@ -150,7 +157,7 @@ PixelError moving_error(const DrawnImpostor& drawn, const InstanceView& view,
       if (std::abs(stored - z) > match || glm::length(offset - middle) > texels) continue;
       const glm::dvec3 s =
           capture.point_from_texel(offset + glm::dvec2(tile.crop.x, tile.crop.y), stored);
-      const double zq = drawn_capture_depth(drawn, object, s, stored);
+      const double zq = drawn_capture_depth(shown, object, s, stored);
       if (!(zq > 0)) continue;
       const glm::dvec3 q = capture.eye() + (s - capture.eye()) * (zq / stored);
       const double error = point_error_px(camera.focal_px(), relative, at.relative_of(q),
@@ -168,9 +175,10 @@ PixelError moving_error(const DrawnImpostor& drawn, const InstanceView& view,
   return best;
 }
 
-PixelError pixel_error(const DrawnImpostor& drawn, const InstanceView& view,
+PixelError pixel_error(const Shown& shown, const InstanceView& view,
                        const ObjectDescription& object, const Camera& camera,
                        const glm::dvec3& relative) {
+  const DrawnImpostor& drawn = *shown.impostor;
   const TileRecord& tile = *drawn.tile;
   const Capture& capture = tile.capture;
   const TilePoint at(drawn, view, camera, relative);
@@ -189,7 +197,7 @@ PixelError pixel_error(const DrawnImpostor& drawn, const InstanceView& view,
                        tile.measure.lod_error / (z * stored);
   if (std::abs(1.0 / z - 1.0 / stored) > match) return {};
   if (beyond_depth_range(drawn, z, 0)) return {};
-  const double zq = drawn_capture_depth(drawn, object, p, relief_depth(tile, texel, code));
+  const double zq = drawn_capture_depth(shown, object, p, relief_depth(tile, texel, code));
   if (!(zq > 0)) return {};
   const glm::dvec3 q = capture.eye() + (p - capture.eye()) * (zq / z);
   return {true,
@@ -237,8 +245,8 @@ void compare(const std::vector<std::uint32_t>& standing, const glm::dvec3& relat
     const InstanceView& view = scene.instances[instance];
     const ObjectDescription& object = scene.objects[view.object];
     const PixelError error = object.motion.moving()
-                                 ? moving_error(impostor, view, object, camera, relative, time_s)
-                                 : pixel_error(impostor, view, object, camera, relative);
+                                 ? moving_error(one, view, object, camera, relative, time_s)
+                                 : pixel_error(one, view, object, camera, relative);
     if (!error.seen) continue;
     seen = true;
     ++out.compared;
@@ -261,8 +269,11 @@ void add_geometric_error(const ReferenceFrame& reference, double offset_px,
   const SceneView& scene = *frame.scene;
   const DrawList& drawn = frame.list;
   ShownMap shown;
-  for (const DrawnImpostor& impostor : drawn.impostors)
-    shown[impostor.instance].impostor = &impostor;
+  for (const DrawnImpostor& impostor : drawn.impostors) {
+    Shown& one = shown[impostor.instance];
+    one.impostor = &impostor;
+    one.proxy = proxy_of(impostor, scene.objects[scene.instances[impostor.instance].object]);
+  }
   for (const DrawnMesh& mesh : drawn.meshes) shown[mesh.instance].mesh = true;
   const double f = camera.focal_px();
   const glm::dvec3 right = camera.right(), up = camera.up(), forward = camera.forward();

@@ -8,11 +8,16 @@ namespace mirage {
 std::vector<Plane> ConvexHull::planes() const {
   std::vector<Plane> out;
   for (std::size_t i = 0; i + 2 < indices.size(); i += 3) {
-    const glm::vec3 a = vertices[indices[i]];
-    const glm::vec3 n = glm::cross(vertices[indices[i + 1]] - a, vertices[indices[i + 2]] - a);
-    const float length = glm::length(n);
+    const glm::dvec3 a(vertices[indices[i]]);
+    const glm::dvec3 n = glm::cross(glm::dvec3(vertices[indices[i + 1]]) - a,
+                                    glm::dvec3(vertices[indices[i + 2]]) - a);
+    const double length = glm::length(n);
     if (!(length > 0)) continue;
-    out.push_back({n / length, glm::dot(n / length, a)});
+    Plane plane{n / length, glm::dot(n / length, a)};
+    for (const glm::vec3& v : vertices) {
+      plane.offset = std::max(plane.offset, glm::dot(plane.normal, glm::dvec3(v)));
+    }
+    out.push_back(plane);
   }
   return out;
 }
@@ -20,10 +25,10 @@ std::vector<Plane> ConvexHull::planes() const {
 std::vector<Plane> box_planes(const glm::vec3& box_min, const glm::vec3& box_max) {
   std::vector<Plane> out;
   for (int axis = 0; axis < 3; ++axis) {
-    glm::vec3 n(0);
+    glm::dvec3 n(0);
     n[axis] = 1;
-    out.push_back({n, box_max[axis]});
-    out.push_back({-n, -box_min[axis]});
+    out.push_back({n, double{box_max[axis]}});
+    out.push_back({-n, -double{box_min[axis]}});
   }
   return out;
 }
@@ -45,9 +50,8 @@ double ray_entry(const std::vector<Plane>& planes, const glm::dvec3& origin,
                  const glm::dvec3& direction) {
   double enter = 0, leave = std::numeric_limits<double>::infinity();
   for (const Plane& plane : planes) {
-    const glm::dvec3 n(plane.normal);
-    const double speed = glm::dot(n, direction);
-    const double gap = plane.offset - glm::dot(n, origin);
+    const double speed = glm::dot(plane.normal, direction);
+    const double gap = plane.offset - glm::dot(plane.normal, origin);
     if (speed < 0) {
       enter = std::max(enter, gap / speed);
     } else if (speed > 0) {

@@ -14,8 +14,8 @@
 namespace mirage {
 
 struct Plane {
-  glm::vec3 normal{0, 0, 1};  ///< outward, unit
-  float offset = 0;           ///< dot(normal, x) <= offset inside
+  glm::dvec3 normal{0, 0, 1};  ///< outward, unit
+  double offset = 0;           ///< dot(normal, x) <= offset inside
 };
 
 struct ConvexHull {
@@ -23,6 +23,9 @@ struct ConvexHull {
   std::vector<std::uint8_t> indices;  ///< triangles, counter-clockwise from outside
   /// Per vertex, object units: distance from the vertex back to the mesh (TECHNIQUES row 15).
   std::vector<float> parallax;
+  /// Returns the plane of each triangle that has an area, moved outwards until it cuts off no
+  /// vertex: vertices are rounded, and the plane of a triangle hardly wider than the rounding
+  /// leans.
   std::vector<Plane> planes() const;
 };
 

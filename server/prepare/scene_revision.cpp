@@ -29,7 +29,7 @@ class ContentHash {
 
 // Raise it when equal content gives other tiles, by build_lods() or by the grouping: stored tiles
 // outlive a build. The renderer and encoders are covered by the profile (render_profile.h).
-constexpr std::uint32_t kTileVersion = 9;
+constexpr std::uint32_t kTileVersion = 10;
 
 }  // namespace
 

@@ -93,7 +93,7 @@ ProxyEntry::ProxyEntry(const std::vector<Plane>& planes, const Capture& capture,
   const glm::dvec3 along_y = capture.point_from_texel(first + glm::dvec2(0, 1), 1.0) - corner;
   Lines entering, leaving;  // `leaving` is negated: its greatest value counts
   for (const Plane& plane : planes) {
-    const glm::dvec3 n(plane.normal);
+    const glm::dvec3& n = plane.normal;
     double gap = plane.offset - glm::dot(n, center + eye);
     if (gap == 0) gap = std::numeric_limits<double>::min();
     if (gap < 0) {

@@ -53,7 +53,7 @@ TEST(ProtocolProxy, EntryIsOnTheSurface) {
     const auto depth_inside = [&](const glm::dvec3& p) {  // negative outside
       double least = 1e300;
       for (const Plane& plane : planes) {
-        least = std::min(least, plane.offset - glm::dot(glm::dvec3(plane.normal), p));
+        least = std::min(least, plane.offset - glm::dot(plane.normal, p));
       }
       return least;
     };
@@ -81,12 +81,26 @@ TEST(ProtocolProxy, HullPlanesPointOutwards) {
   ASSERT_EQ(planes.size(), 4u);
   for (const Plane& plane : planes) {
     EXPECT_NEAR(glm::length(plane.normal), 1, 1e-6);
-    EXPECT_LT(glm::dot(plane.normal, glm::vec3(0.2f)), plane.offset);
+    EXPECT_LT(glm::dot(plane.normal, glm::dvec3(0.2)), plane.offset);
   }
   ConvexHull flat = tetrahedron();
   flat.vertices[1] = flat.vertices[0];  // two of the triangles lose their area
   EXPECT_EQ(flat.planes().size(), 2u);
   EXPECT_TRUE(ConvexHull{}.planes().empty());
+}
+
+TEST(ProtocolProxy, HullPlanesCutOffNoVertex) {
+  ConvexHull hull = tetrahedron();
+  // A triangle at the corner of the tetrahedron, so narrow that rounding leans its plane inwards.
+  hull.vertices.insert(hull.vertices.end(), {{1e-6f, 0, 0}, {0, 1e-6f, 1e-6f}});
+  hull.indices.insert(hull.indices.end(), {0, 4, 5});
+  const auto planes = hull.planes();
+  ASSERT_EQ(planes.size(), 5u);
+  for (const Plane& plane : planes) {
+    for (const glm::vec3& v : hull.vertices) {
+      EXPECT_LE(glm::dot(plane.normal, glm::dvec3(v)), plane.offset);
+    }
+  }
 }
 
 TEST(ProtocolProxy, Extents) {

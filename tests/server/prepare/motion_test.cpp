@@ -89,7 +89,8 @@ TEST(ServerMotion, BoundsEncloseEveryPose) {
           ASSERT_GE(p[c], measured.box_min[c]);
           ASSERT_LE(p[c], measured.box_max[c]);
         }
-        for (const Plane& plane : planes) ASSERT_LE(glm::dot(plane.normal, p), plane.offset);
+        for (const Plane& plane : planes)
+          ASSERT_LE(glm::dot(plane.normal, glm::dvec3(p)), plane.offset);
       }
     }
   }
