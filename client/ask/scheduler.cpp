@@ -5,6 +5,7 @@
 
 #include "client/scene/scene_view.h"
 #include "protocol/base/limits.h"
+#include "protocol/base/order.h"
 #include "wire_generated.h"
 
 namespace mirage {
@@ -148,8 +149,7 @@ std::vector<Scheduler::Offer> Scheduler::offers(const std::vector<TileNeed>& nee
   for (const AssetNeed& need : asset_needs) {
     if (may_ask(need, now_us)) out.push_back({nullptr, &need, need.gain / need.expected_bytes});
   }
-  std::stable_sort(out.begin(), out.end(),
-                   [](const Offer& a, const Offer& b) { return a.rank > b.rank; });
+  sort_descending(out, [](const Offer& offer) { return offer.rank; });
   return out;
 }
 

@@ -1,6 +1,5 @@
 #include "client/draw/frame_renderer.h"
 
-#include <algorithm>
 #include <map>
 #include <optional>
 #include <utility>
@@ -15,6 +14,7 @@
 #include "client/frame/asset_id.h"
 #include "client/frame/planned_frame.h"
 #include "client/scene/scene_view.h"
+#include "protocol/base/order.h"
 #include "protocol/codec/model_codec.h"
 #include "protocol/model/animation.h"
 #include "protocol/model/model.h"
@@ -38,9 +38,8 @@ std::vector<DrawnMesh> in_drawing_order(std::vector<DrawnMesh> meshes, const Cam
     const InstanceView& view = scene.instances[drawn.instance];
     return glm::length(view.center - camera.pose.eye) - view.radius;
   };
-  std::stable_sort(meshes.begin(), meshes.end(), [&](const DrawnMesh& a, const DrawnMesh& b) {
-    return blended ? distance(a) > distance(b) : distance(a) < distance(b);
-  });
+  sort_ascending(
+      meshes, [&](const DrawnMesh& drawn) { return blended ? -distance(drawn) : distance(drawn); });
   return meshes;
 }
 }  // namespace

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "client/scene/scene_view.h"
+#include "protocol/base/order.h"
 #include "protocol/codec/image_codec.h"
 #include "protocol/codec/model_codec.h"
 #include "protocol/impostor/camera.h"
@@ -411,9 +412,8 @@ std::vector<AssetId> MeshCache::drop(std::uint64_t frame, std::int64_t now_us) {
              kImageKeptUs);
   }
   if (bytes_ > budget_) {
-    std::stable_sort(idle.begin(), idle.end(), [](const Entry& a, const Entry& b) {
-      return a.level->needed_us < b.level->needed_us;
-    });
+    sort_ascending(idle,
+                   [](const Entry& entry) { return static_cast<double>(entry.level->needed_us); });
     for (const Entry& entry : idle) {
       if (bytes_ <= budget_) break;
       forget(*entry.level, entry.id, out);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "client/hold/tile_cache.h"
+#include "protocol/base/order.h"
 #include "protocol/model/need_mask.h"
 
 namespace mirage {
@@ -25,16 +26,15 @@ void sort_for_blending(std::vector<DrawnImpostor>& impostors, const SceneView& s
         return scene.objects[scene.instances[drawn.instance].object].needs & kNeedBlend;
       });
   if (!through) return;  // they already are in the order of their far sides
-  std::vector<std::pair<double, std::size_t>> order(impostors.size());
+  std::vector<double> nearness(impostors.size());
   for (std::size_t i = impostors.size(); i-- > 0;) {
-    const bool fades = i + 1 < order.size() && impostors[i].instance == impostors[i + 1].instance;
-    order[i] = {fades ? order[i + 1].first : blend_distance(impostors[i], scene, eye), i};
+    const bool fades =
+        i + 1 < impostors.size() && impostors[i].instance == impostors[i + 1].instance;
+    nearness[i] = fades ? nearness[i + 1] : -blend_distance(impostors[i], scene, eye);
   }
-  std::stable_sort(order.begin(), order.end(),
-                   [](const auto& a, const auto& b) { return a.first > b.first; });
   std::vector<DrawnImpostor> sorted;
   sorted.reserve(impostors.size());
-  for (const auto& [distance, i] : order) sorted.push_back(std::move(impostors[i]));
+  for (const std::size_t i : ascending(nearness)) sorted.push_back(std::move(impostors[i]));
   impostors = std::move(sorted);
 }
 

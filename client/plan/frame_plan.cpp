@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "protocol/base/order.h"
 #include "protocol/impostor/camera.h"
 
 namespace mirage {
@@ -286,9 +287,8 @@ FramePlan::Outcome FramePlan::solve(const std::vector<Camera>& views,
 void FramePlan::take_steps(const std::vector<Alternatives>& things, const FrameSetting& setting,
                            std::vector<Step>& steps, Outcome& out) const {
   const double most = planned_ms();
-  std::stable_sort(steps.begin(), steps.end(), [](const Step& a, const Step& b) {
-    return a.gain * std::max(b.ms, 0.0) > b.gain * std::max(a.ms, 0.0);
-  });
+  sort_descending(steps,
+                  [](const Step& step) { return step.gain / std::max(step.ms, kShortestMs); });
   std::vector<bool> stopped(things.size(), false);
   for (const Step& step : steps) {
     if (stopped[step.thing]) continue;

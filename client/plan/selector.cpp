@@ -17,6 +17,7 @@
 #include "client/plan/tile_need.h"
 #include "client/price/view_fit.h"
 #include "client/scene/scene_view.h"
+#include "protocol/base/order.h"
 #include "protocol/impostor/tile_key.h"
 #include "protocol/model/need_mask.h"
 
@@ -414,8 +415,7 @@ DrawList Selector::draw(const SelectorInput& in, const Choice* choices) {
     if (draw_geometry(in, c, out)) continue;
     by_far_side.emplace_back(c.distance + in.scene->instances[c.instance].radius, &c);
   }
-  std::stable_sort(by_far_side.begin(), by_far_side.end(),
-                   [](const Ranked& a, const Ranked& b) { return a.first > b.first; });
+  sort_descending(by_far_side, [](const Ranked& ranked) { return ranked.first; });
   for (const auto& [far_side, candidate] : by_far_side) draw_candidate(in, *candidate, out);
   sort_for_blending(out.impostors, *in.scene, in.camera.pose.eye);
   return out;

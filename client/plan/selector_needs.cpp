@@ -21,6 +21,7 @@
 #include "client/price/view_fit.h"
 #include "client/scene/scene_view.h"
 #include "protocol/base/limits.h"
+#include "protocol/base/order.h"
 #include "protocol/impostor/tile_key.h"
 
 namespace mirage {
@@ -404,8 +405,7 @@ std::vector<TileNeed> Selector::needs(const SelectorInput& in) {
   out.erase(std::remove_if(out.begin(), out.end(),
                            [&](const TileNeed& need) { return comes_soon(in, need); }),
             out.end());
-  std::stable_sort(out.begin(), out.end(),
-                   [](const TileNeed& a, const TileNeed& b) { return a.gain > b.gain; });
+  sort_descending(out, [](const TileNeed& need) { return need.gain; });
   TileCache::Room room = in.cache->room(in.frame);
   out.erase(std::remove_if(out.begin(), out.end(),
                            [&](TileNeed& need) { return !fit_to_atlas(in, room, need); }),
